@@ -1,0 +1,71 @@
+"""The hand: two one-joint fingers and the fixed palm between them."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arrays import readonly
+
+LEFT, RIGHT = 0, 1
+SIDES = ('left', 'right')
+JOINT_NAMES = ('left_finger_joint', 'right_finger_joint')
+CLOSING = (-1.0, 1.0)  # sign of the joint velocity and torque that pushes a finger towards the other one
+
+
+@dataclass(frozen=True, eq=False)
+class Finger:
+    """A rectangular finger turning about a fixed axis; θ is its direction from +x, counter-clockwise.
+
+    axis: (2,) [m]; length, half_width [m]; mass [kg]; rotor_inertia [kg m²] seen at the joint;
+    angle_limits: (2,) [rad]; torque_limit [N m].
+    """
+
+    axis: np.ndarray
+    length: float
+    half_width: float
+    mass: float
+    rotor_inertia: float
+    angle_limits: np.ndarray
+    torque_limit: float
+
+    def __post_init__(self):
+        object.__setattr__(self, 'axis', readonly(self.axis, (2,)))
+        object.__setattr__(self, 'angle_limits', readonly(self.angle_limits, (2,)))
+
+    @property
+    def inertia(self) -> float:
+        """About the joint axis [kg m²]: uniform rectangle plus rotor."""
+        about_centre = self.mass * (self.length ** 2 + (2 * self.half_width) ** 2) / 12.0
+        return about_centre + self.mass * (self.length / 2) ** 2 + self.rotor_inertia
+
+    def mirrored(self) -> 'Finger':
+        """The mirror image (x → -x, θ → π - θ)."""
+        low, high = self.angle_limits
+        return Finger(self.axis * [-1.0, 1.0], self.length, self.half_width, self.mass,
+                      self.rotor_inertia, (np.pi - high, np.pi - low), self.torque_limit)
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Both fingers; index with LEFT and RIGHT."""
+
+    left: Finger
+    right: Finger
+
+    def __getitem__(self, side: int) -> Finger:
+        return (self.left, self.right)[side]
+
+    def mirrored(self) -> 'Hand':
+        return Hand(self.right.mirrored(), self.left.mirrored())
+
+
+@dataclass(frozen=True, eq=False)
+class Palm:
+    """The fixed palm: a polyline whose free side is on its left. vertices: (p, 2) [m]."""
+
+    vertices: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, 'vertices', readonly(self.vertices, (-1, 2)))
+
+    def mirrored(self) -> 'Palm':
+        return Palm((self.vertices * [-1.0, 1.0])[::-1])

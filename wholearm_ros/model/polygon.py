@@ -1,0 +1,68 @@
+"""A convex polygon: vertices, area, centroid, inertia."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arrays import readonly
+
+
+@dataclass(frozen=True, eq=False)
+class Polygon:
+    """A convex polygon with its vertices counter-clockwise.
+
+    vertices: (n, 2) [m], in the frame in which they were given.
+    """
+
+    vertices: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, 'vertices', readonly(self.vertices, (-1, 2)))
+
+    @property
+    def edges(self) -> np.ndarray:
+        """(n, 2) [m]: edge k runs from vertex k to vertex k + 1."""
+        return np.roll(self.vertices, -1, axis=0) - self.vertices
+
+    @property
+    def area(self) -> float:
+        """[m²]"""
+        return 0.5 * float(_cross_with_next(self.vertices).sum())
+
+    @property
+    def centroid(self) -> np.ndarray:
+        """(2,) [m]"""
+        v, cross = self.vertices, _cross_with_next(self.vertices)
+        return ((v + np.roll(v, -1, axis=0)) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum())
+
+    @property
+    def vertices_about_centroid(self) -> np.ndarray:
+        """(n, 2) [m], the same axes with the centroid as origin: the object frame."""
+        return self.vertices - self.centroid
+
+    def radius_of_gyration_squared(self) -> float:
+        """Second polar moment of area about the centroid over the area [m²]."""
+        v = self.vertices_about_centroid
+        w, cross = np.roll(v, -1, axis=0), _cross_with_next(v)
+        return float((cross * ((v * v) + (v * w) + (w * w)).sum(axis=1)).sum() / (6.0 * cross.sum()))
+
+    def resting_angle(self, edge: int) -> float:
+        """Rotation [rad] in (-π, π] that lays `edge` flat on a floor along +x, the polygon above it."""
+        dx, dy = self.edges[edge]
+        return float(-np.arctan2(dy, dx))
+
+    def can_rest_on(self, edge: int) -> bool:
+        """Whether the centroid lies strictly between the normals at both ends of `edge` (III-B.3)."""
+        e = self.edges[edge]
+        along = (self.centroid - self.vertices[edge]) @ e / (e @ e)
+        return 0.0 < along < 1.0
+
+    def mirrored(self) -> 'Polygon':
+        """The mirror image (x → -x), counter-clockwise again: edge k becomes edge n - 1 - k."""
+        n = len(self.vertices)
+        order = (-np.arange(n)) % n
+        return Polygon((self.vertices * [-1.0, 1.0])[order])
+
+
+def _cross_with_next(v: np.ndarray) -> np.ndarray:
+    w = np.roll(v, -1, axis=0)
+    return v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]

@@ -1,0 +1,92 @@
+"""One task: the object, the hand, gravity, where it starts and where it shall rest."""
+from dataclasses import dataclass
+from typing import Optional, Union
+
+import numpy as np
+
+from .arrays import readonly
+from .hand import Hand, Palm
+from .polygon import Polygon
+
+CCW, CW = 'ccw', 'cw'
+
+
+@dataclass(frozen=True)
+class ManipulatedObject:
+    """A uniform, frictionless, rigid polygon. mass [kg]."""
+
+    polygon: Polygon
+    mass: float
+
+    @property
+    def inertia(self) -> float:
+        """About the centroid [kg m²]."""
+        return self.mass * self.polygon.radius_of_gyration_squared()
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """acceleration [m/s²], tilt [rad] of the support plane from the vertical."""
+
+    acceleration: float
+    tilt: float
+
+    @property
+    def in_plane(self) -> float:
+        """Acceleration along the support plane, towards -y [m/s²]."""
+        return self.acceleration * float(np.cos(self.tilt))
+
+
+@dataclass(frozen=True)
+class StartOnEdge:
+    """At rest on `edge`, the centroid at `x` [m], both fingers closed on the object."""
+
+    edge: int
+    x: float
+
+
+@dataclass(frozen=True, eq=False)
+class StartAtPose:
+    """pose: (3,) centroid x, y [m] and rotation [rad]; fingers: (2,) joint angles [rad]."""
+
+    pose: np.ndarray
+    fingers: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, 'pose', readonly(self.pose, (3,)))
+        object.__setattr__(self, 'fingers', readonly(self.fingers, (2,)))
+
+
+@dataclass(frozen=True)
+class GoalOnEdge:
+    """At rest on `edge`, reached by turning in `direction`; the centroid within x ± x_tolerance [m] if x is given."""
+
+    edge: int
+    direction: str
+    x: Optional[float] = None
+    x_tolerance: Optional[float] = None
+
+
+@dataclass(frozen=True, eq=False)
+class GoalAtPose:
+    """pose: (3,) centroid x, y [m] and rotation [rad], not wrapped; tolerance: (3,) of the same units."""
+
+    pose: np.ndarray
+    tolerance: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, 'pose', readonly(self.pose, (3,)))
+        object.__setattr__(self, 'tolerance', readonly(self.tolerance, (3,)))
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything a plan depends on."""
+
+    object: ManipulatedObject
+    hand: Hand
+    palm: Palm
+    gravity: Gravity
+    start: Union[StartOnEdge, StartAtPose]
+    goal: Union[GoalOnEdge, GoalAtPose]
+    name: str = ''

@@ -1,0 +1,161 @@
+"""A manipulation trajectory: what both fingers shall do over time, in which mode, and why it is expected to work."""
+import json
+from dataclasses import dataclass, field
+from typing import Optional
+
+import numpy as np
+
+from ..errors import DocumentError
+from .arrays import readonly
+from .hand import JOINT_NAMES, SIDES
+
+FORMAT = 'wholearm-trajectory/1'
+QUASI_STATIC, DWELL, DYNAMIC, CAGING = 'quasi_static', 'dwell', 'dynamic', 'caging'
+MODES = (QUASI_STATIC, DWELL, DYNAMIC, CAGING)
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of time [s] in one mode, one contact state and one assignment of control modes (III-B.4).
+
+    contacts: names of the closed contact pairs; velocity_finger: LEFT or RIGHT, the other one is torque-controlled;
+    degree_of_constraint, conditioning: of that assignment and (second) of the opposite one.
+    """
+
+    start: float
+    end: float
+    mode: str
+    velocity_finger: int
+    contacts: tuple = ()
+    degree_of_constraint: tuple = ()
+    conditioning: tuple = ()
+
+    @property
+    def torque_finger(self) -> int:
+        return 1 - self.velocity_finger
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The trajectory at one instant: angles, velocities, efforts are (2,) [rad, rad/s, N m], left then right."""
+
+    segment: Segment
+    angles: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ManipulationTrajectory:
+    """Sampled every `period` [s] from t = 0.
+
+    angles, velocities, efforts: (m, 2) [rad, rad/s, N m], left then right; the effort of the velocity-controlled
+    finger is its equilibrium torque (feed-forward), that of the torque-controlled finger its command.
+    torque_ranges: (m, 2) [N m], (τ_min, τ_max) of the torque-controlled finger, NaN where there is none.
+    poses: (m, 3) planned object pose, centroid [m] and rotation [rad].
+    segments: in order, without gaps, from 0 to the last sample's time.
+    """
+
+    plan_id: str
+    period: float
+    angles: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray
+    torque_ranges: np.ndarray
+    poses: np.ndarray
+    segments: tuple
+    transitions: tuple = ()
+    verification: Optional[dict] = None
+    notes: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2), ('poses', 3)):
+            object.__setattr__(self, name, readonly(getattr(self, name), (-1, width)))
+        ranges = np.array(self.torque_ranges, dtype=float).reshape(-1, 2)
+        ranges.setflags(write=False)
+        object.__setattr__(self, 'torque_ranges', ranges)
+
+    @property
+    def times(self) -> np.ndarray:
+        """(m,) [s]"""
+        return self.period * np.arange(len(self.angles))
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return self.period * (len(self.angles) - 1)
+
+    def segment_at(self, t: float) -> Segment:
+        """The segment in which `t` [s] lies; the first before 0, the last after the end."""
+        for segment in self.segments:
+            if t < segment.end:
+                return segment
+        return self.segments[-1]
+
+    def sample(self, t: float) -> Sample:
+        """The setpoints at `t` [s], held at both ends: angles by cubic Hermite, the rest linear."""
+        last = len(self.angles) - 1
+        s = min(max(t / self.period, 0.0), float(last))
+        i = min(int(s), last - 1)
+        u, h = s - i, self.period
+        p0, p1, v0, v1 = self.angles[i], self.angles[i + 1], self.velocities[i], self.velocities[i + 1]
+        angles = (p0 * ((1 + 2 * u) * (1 - u) ** 2) + p1 * (u * u * (3 - 2 * u))
+                  + h * v0 * (u * (1 - u) ** 2) + h * v1 * (u * u * (u - 1)))
+        held = t < 0.0 or t > self.duration
+        velocities = np.zeros(2) if held else (1 - u) * v0 + u * v1
+        efforts = (1 - u) * self.efforts[i] + u * self.efforts[i + 1]
+        return Sample(self.segment_at(t), angles, velocities, efforts)
+
+    def time_in_modes(self) -> dict:
+        """Seconds in each mode."""
+        total = dict.fromkeys(MODES, 0.0)
+        for s in self.segments:
+            total[s.mode] += s.end - s.start
+        return total
+
+    def to_json(self) -> str:
+        """The document `wholearm-trajectory/1`."""
+        return json.dumps({
+            'format': FORMAT, 'plan_id': self.plan_id, 'joint_names': list(JOINT_NAMES), 'period': self.period,
+            'angles': self.angles.tolist(), 'velocities': self.velocities.tolist(), 'efforts': self.efforts.tolist(),
+            'torque_ranges': [[None if np.isnan(v) else v for v in row] for row in self.torque_ranges.tolist()],
+            'poses': self.poses.tolist(),
+            'segments': [{'start': s.start, 'end': s.end, 'mode': s.mode, 'velocity_finger': SIDES[s.velocity_finger],
+                          'contacts': list(s.contacts), 'degree_of_constraint': list(s.degree_of_constraint),
+                          'conditioning': list(s.conditioning)} for s in self.segments],
+            'transitions': list(self.transitions), 'verification': self.verification, 'notes': self.notes,
+        }, separators=(',', ':'), allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> 'ManipulationTrajectory':
+        """Raises DocumentError when `text` is damaged, of another format, or inconsistent in itself."""
+        try:
+            d = json.loads(text)
+            if d.get('format') != FORMAT:
+                raise DocumentError(f"trajectory document: format is {d.get('format')!r}; allowed: {FORMAT!r}")
+            segments = tuple(Segment(float(s['start']), float(s['end']), s['mode'], SIDES.index(s['velocity_finger']),
+                                     tuple(s['contacts']), tuple(s['degree_of_constraint']), tuple(s['conditioning']))
+                             for s in d['segments'])
+            ranges = [[np.nan if v is None else float(v) for v in row] for row in d['torque_ranges']]
+            result = cls(d['plan_id'], float(d['period']), d['angles'], d['velocities'], d['efforts'], ranges,
+                         d['poses'], segments, tuple(d['transitions']), d['verification'], d['notes'])
+        except DocumentError:
+            raise
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+            raise DocumentError(f'trajectory document is damaged: {type(error).__name__}: {error}') from error
+        result._check()
+        return result
+
+    def _check(self):
+        m = len(self.angles)
+        if not (isinstance(self.plan_id, str) and np.isfinite(self.period) and self.period > 0.0 and m >= 2
+                and {len(self.velocities), len(self.efforts), len(self.torque_ranges), len(self.poses)} == {m}):
+            raise DocumentError('trajectory document: needs period > 0 and at least two samples, the same number everywhere')
+        ends = [0.0]
+        for s in self.segments:
+            if s.mode not in MODES or abs(s.start - ends[-1]) > 1e-9 or not s.end > s.start:
+                raise DocumentError(f'trajectory document: segment {s.mode!r} from {s.start} to {s.end}; '
+                                    f'allowed: one of {MODES}, following on the one before')
+            ends.append(s.end)
+        if len(ends) < 2 or abs(ends[-1] - self.duration) > 1e-6:
+            raise DocumentError(f'trajectory document: segments end at {ends[-1]}, samples at {self.duration}')
