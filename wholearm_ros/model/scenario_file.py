@@ -1,0 +1,118 @@
+"""Scenario files: YAML or JSON in, a Scenario out, every problem told at once."""
+from pathlib import Path
+from typing import Mapping, Union
+
+import numpy as np
+from pydantic import ValidationError
+
+from ..errors import ScenarioError
+from .hand import SIDES, Finger, Hand, Palm
+from .polygon import Polygon
+from .scenario import GoalAtPose, GoalOnEdge, Gravity, ManipulatedObject, Scenario, StartAtPose, StartOnEdge
+from .scenario_checks import problems_with
+from .scenario_schema import AT_POSE, ON_EDGE, GoalOnEdgeTable, ScenarioTable, StartOnEdgeTable
+from .yaml_text import read_mapping
+
+
+def load_scenario(path: Union[str, Path]) -> Scenario:
+    """The scenario in the YAML or JSON file at `path`; raises ScenarioError that lists every problem found."""
+    return parse_scenario(read_mapping(path), source=str(path))
+
+
+def parse_scenario(mapping: Mapping, source: str = 'scenario') -> Scenario:
+    """The scenario in `mapping` (the keys of a scenario file); `source` names it in error messages."""
+    try:
+        table = ScenarioTable.model_validate(mapping)
+    except ValidationError as error:
+        raise _refusal(source, [_told(e) for e in error.errors(include_url=False)]) from error
+    problems = problems_with(table)
+    if problems:
+        raise _refusal(source, problems)
+    return _build(table)
+
+
+def scenario_to_dict(scenario: Scenario) -> dict:
+    """The keys of a scenario file; `parse_scenario` of it gives the same numbers, to the last bit."""
+    thing, gravity = scenario.object, scenario.gravity
+    return {
+        'name': scenario.name,
+        'object': {'vertices': thing.polygon.vertices.tolist(), 'mass': thing.mass},
+        'hand': {side: _finger_to_dict(scenario.hand[k]) for k, side in enumerate(SIDES)},
+        'palm': {'vertices': scenario.palm.vertices.tolist()},
+        'gravity': {'acceleration': gravity.acceleration, 'tilt_deg': _exact_degrees(gravity.tilt)},
+        'start': _start_to_dict(scenario.start),
+        'goal': _goal_to_dict(scenario.goal),
+    }
+
+
+def _build(table: ScenarioTable) -> Scenario:
+    thing = ManipulatedObject(Polygon(table.object.vertices), table.object.mass)
+    hand = Hand(*(Finger(**getattr(table.hand, side).model_dump()) for side in SIDES))
+    gravity = Gravity(table.gravity.acceleration, float(np.radians(table.gravity.tilt_deg)))
+    start = (StartOnEdge if isinstance(table.start, StartOnEdgeTable) else StartAtPose)(**table.start.model_dump())
+    goal = (GoalOnEdge if isinstance(table.goal, GoalOnEdgeTable) else GoalAtPose)(**table.goal.model_dump())
+    return Scenario(thing, hand, Palm(table.palm.vertices), gravity, start, goal, table.name)
+
+
+def _finger_to_dict(f: Finger) -> dict:
+    return {'axis': f.axis.tolist(), 'length': f.length, 'half_width': f.half_width, 'mass': f.mass,
+            'rotor_inertia': f.rotor_inertia, 'angle_limits': f.angle_limits.tolist(), 'torque_limit': f.torque_limit}
+
+
+def _start_to_dict(start) -> dict:
+    if isinstance(start, StartOnEdge):
+        return {'edge': start.edge, 'x': start.x}
+    return {'pose': start.pose.tolist(), 'fingers': start.fingers.tolist()}
+
+
+def _goal_to_dict(goal) -> dict:
+    if isinstance(goal, GoalAtPose):
+        return {'pose': goal.pose.tolist(), 'tolerance': goal.tolerance.tolist()}
+    optional = {'x': goal.x, 'x_tolerance': goal.x_tolerance}
+    return {'edge': goal.edge, 'direction': goal.direction, **{k: v for k, v in optional.items() if v is not None}}
+
+
+def _exact_degrees(angle: float) -> float:
+    """Degrees whose conversion gives back exactly `angle` [rad]: the shortest such number near it."""
+    near = float(np.degrees(angle))
+    candidates = [round(near, 12), near, np.nextafter(near, -np.inf), np.nextafter(near, np.inf)]
+    return float(next((c for c in candidates if float(np.radians(c)) == angle), near))
+
+
+def _refusal(source: str, problems: list) -> ScenarioError:
+    return ScenarioError('\n'.join(f'{source}: {p}' for p in problems))
+
+
+def _told(error: dict) -> str:
+    """One line of ours for one error of pydantic's: key, what was got, what is allowed."""
+    key = _key(error['loc'])
+    kind, context = error['type'], error.get('ctx', {})
+    if kind == 'missing':
+        return f'{key}: missing; this key is needed'
+    if kind == 'extra_forbidden':
+        return f'{key}: unknown key; got {_shown(error["input"])}'
+    allowed = {'finite_number': 'a finite number', 'float_type': 'a number', 'int_type': 'a whole number',
+               'string_type': 'text', 'list_type': 'a list', 'model_type': 'a table of keys',
+               'literal_error': context.get('expected')}.get(kind)
+    return f'{key}: got {_shown(error["input"])}; allowed: {allowed or _lowered(error["msg"])}'
+
+
+def _key(loc: tuple) -> str:
+    text = ''
+    for part in loc:
+        if isinstance(part, int):
+            text += f'[{part}]'
+        elif part not in (ON_EDGE, AT_POSE):
+            text += f'.{part}' if text else str(part)
+    return text
+
+
+def _shown(value) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + '...'
+
+
+def _lowered(message: str) -> str:
+    for prefix in ('Input should be ', 'Input should have ', 'Value error, '):
+        message = message.removeprefix(prefix)
+    return message[:1].lower() + message[1:]

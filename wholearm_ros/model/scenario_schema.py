@@ -1,0 +1,93 @@
+"""The keys of a scenario file and what each may hold (pydantic models, used by scenario_file.py only)."""
+from typing import Annotated, Any, Literal, Optional, Union
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+
+MAX_VERTICES = 64
+MAX_LENGTH = 10.0  # [m] no coordinate or size is larger
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Positive = Annotated[float, Strict(), Field(gt=0.0, allow_inf_nan=False)]
+Length = Annotated[float, Strict(), Field(gt=0.0, le=MAX_LENGTH, allow_inf_nan=False)]
+Coordinate = Annotated[float, Strict(), Field(ge=-MAX_LENGTH, le=MAX_LENGTH, allow_inf_nan=False)]
+Mass = Annotated[float, Strict(), Field(gt=0.0, le=100.0, allow_inf_nan=False)]
+Angle = Annotated[float, Strict(), Field(ge=-6.2832, le=6.2832, allow_inf_nan=False)]
+Edge = Annotated[int, Strict(), Field(ge=0, lt=MAX_VERTICES)]
+Point = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+Pair = Annotated[list[Angle], Field(min_length=2, max_length=2)]
+Pose = Annotated[list[Number], Field(min_length=3, max_length=3)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra='forbid', frozen=True)
+
+
+class ObjectTable(_Table):
+    vertices: Annotated[list[Point], Field(min_length=3, max_length=MAX_VERTICES)]
+    mass: Mass
+
+
+class FingerTable(_Table):
+    axis: Point
+    length: Length
+    half_width: Length
+    mass: Mass
+    rotor_inertia: Annotated[float, Strict(), Field(ge=0.0, le=100.0, allow_inf_nan=False)]
+    angle_limits: Pair
+    torque_limit: Annotated[float, Strict(), Field(gt=0.0, le=1e4, allow_inf_nan=False)]
+
+
+class HandTable(_Table):
+    left: FingerTable
+    right: FingerTable
+
+
+class PalmTable(_Table):
+    vertices: Annotated[list[Point], Field(min_length=2, max_length=MAX_VERTICES)]
+
+
+class GravityTable(_Table):
+    acceleration: Annotated[float, Strict(), Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
+    tilt_deg: Annotated[float, Strict(), Field(ge=0.0, lt=90.0, allow_inf_nan=False)]
+
+
+class StartOnEdgeTable(_Table):
+    edge: Edge
+    x: Coordinate
+
+
+class StartAtPoseTable(_Table):
+    pose: Pose
+    fingers: Pair
+
+
+class GoalOnEdgeTable(_Table):
+    edge: Edge
+    direction: Literal['ccw', 'cw']
+    x: Optional[Coordinate] = None
+    x_tolerance: Optional[Positive] = None
+
+
+class GoalAtPoseTable(_Table):
+    pose: Pose
+    tolerance: Annotated[list[Positive], Field(min_length=3, max_length=3)] = [0.01, 0.01, 0.03]
+
+
+ON_EDGE, AT_POSE = 'on_edge', 'at_pose'
+
+
+def _kind(value: Any) -> str:
+    return AT_POSE if isinstance(value, (dict, BaseModel)) and 'pose' in dict(value) else ON_EDGE
+
+
+class ScenarioTable(_Table):
+    name: Annotated[str, Strict(), Field(max_length=200)] = ''
+    note: Any = None
+    object: ObjectTable
+    hand: HandTable
+    palm: PalmTable
+    gravity: GravityTable
+    start: Annotated[Union[Annotated[StartOnEdgeTable, Tag(ON_EDGE)], Annotated[StartAtPoseTable, Tag(AT_POSE)]],
+                     Discriminator(_kind)]
+    goal: Annotated[Union[Annotated[GoalOnEdgeTable, Tag(ON_EDGE)], Annotated[GoalAtPoseTable, Tag(AT_POSE)]],
+                    Discriminator(_kind)]
