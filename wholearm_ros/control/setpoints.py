@@ -1,0 +1,76 @@
+"""What the controllers are told, what the joints report, and the options of control."""
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..model.arrays import readonly
+
+
+@dataclass(frozen=True)
+class VelocitySetpoint:
+    """Motion of the velocity-controlled finger. joint: LEFT or RIGHT; angle [rad], velocity [rad/s],
+    feedforward: equilibrium torque [N m], gravity included."""
+
+    joint: int
+    angle: float
+    velocity: float
+    feedforward: float
+
+
+@dataclass(frozen=True)
+class TorqueSetpoint:
+    """Torque of the torque-controlled finger. joint: LEFT or RIGHT; effort [N m], gravity included."""
+
+    joint: int
+    effort: float
+
+
+@dataclass(frozen=True, eq=False)
+class Joints:
+    """What the hand measures. stamp [s]; angles, velocities, efforts: (2,) [rad, rad/s, N m], left then right.
+
+    Not refused when a number is not finite: the mode switch must see that and stop.
+    """
+
+    stamp: float
+    angles: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray = field(default_factory=lambda: np.zeros(2))
+
+    @property
+    def finite(self) -> bool:
+        return bool(np.isfinite(self.angles).all() and np.isfinite(self.velocities).all()
+                    and np.isfinite(self.efforts).all())
+
+
+@dataclass(frozen=True)
+class PdGains:
+    """kp [N m/rad], kd [N m s/rad]."""
+
+    kp: float
+    kd: float
+
+
+@dataclass(frozen=True)
+class ControlOptions:
+    """Everything that may be tuned in control; the defaults are the ones in config/control.yaml.
+
+    gains: chosen for a joint inertia of 0.0062 kg m² and 0 to 6 ms of actuation delay (docs/control.md);
+    slew_limit [N m/s]: of the torque-controlled finger's effort; a step of 3 N m in one tick throws the object;
+    ramp [s]: from the efforts and angles found at the start to the trajectory's first ones;
+    handover [s]: in which a finger that becomes velocity-controlled is brought from where it is to where it should be;
+    max_tracking_error [rad]: of the velocity-controlled finger; beyond it the run stops;
+    stale_after [s]: age of the joint state beyond which the run stops.
+    """
+
+    gains: PdGains = PdGains(kp=30.0, kd=0.85)
+    slew_limit: float = 60.0
+    ramp: float = 0.3
+    handover: float = 0.1
+    max_tracking_error: float = 0.25
+    stale_after: float = 0.1
+
+
+def readonly_pair(values) -> np.ndarray:
+    """(2,) read-only."""
+    return readonly(values, (2,))
