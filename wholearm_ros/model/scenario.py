@@ -44,6 +44,9 @@ class StartOnEdge:
     edge: int
     x: float
 
+    def mirrored(self, edges: int) -> 'StartOnEdge':
+        return StartOnEdge(edges - 1 - self.edge, -self.x)
+
 
 @dataclass(frozen=True, eq=False)
 class StartAtPose:
@@ -56,6 +59,9 @@ class StartAtPose:
         object.__setattr__(self, 'pose', readonly(self.pose, (3,)))
         object.__setattr__(self, 'fingers', readonly(self.fingers, (2,)))
 
+    def mirrored(self, edges: int) -> 'StartAtPose':
+        return StartAtPose(self.pose * [-1.0, 1.0, -1.0], np.pi - self.fingers[::-1])
+
 
 @dataclass(frozen=True)
 class GoalOnEdge:
@@ -65,6 +71,10 @@ class GoalOnEdge:
     direction: str
     x: Optional[float] = None
     x_tolerance: Optional[float] = None
+
+    def mirrored(self, edges: int) -> 'GoalOnEdge':
+        x = None if self.x is None else -self.x
+        return GoalOnEdge(edges - 1 - self.edge, CCW if self.direction == CW else CW, x, self.x_tolerance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +88,9 @@ class GoalAtPose:
         object.__setattr__(self, 'pose', readonly(self.pose, (3,)))
         object.__setattr__(self, 'tolerance', readonly(self.tolerance, (3,)))
 
+    def mirrored(self, edges: int) -> 'GoalAtPose':
+        return GoalAtPose(self.pose * [-1.0, 1.0, -1.0], self.tolerance)
+
 
 @dataclass(frozen=True)
 class Scenario:
@@ -90,3 +103,9 @@ class Scenario:
     start: Union[StartOnEdge, StartAtPose]
     goal: Union[GoalOnEdge, GoalAtPose]
     name: str = ''
+
+    def mirrored(self) -> 'Scenario':
+        """The mirror image (x → -x): left and right, clockwise and counter-clockwise change places."""
+        edges = len(self.object.polygon.vertices)
+        return Scenario(ManipulatedObject(self.object.polygon.mirrored(), self.object.mass), self.hand.mirrored(),
+                        self.palm.mirrored(), self.gravity, self.start.mirrored(edges), self.goal.mirrored(edges), self.name)

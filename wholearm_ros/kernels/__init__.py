@@ -1,0 +1,7 @@
+"""The few compiled loops. Plain functions of arrays; each has a slow, obvious twin in `test/kernels`."""
+from numba import njit
+
+
+def kernel(function):
+    """Compile once, keep on disk: a second process starts without compiling."""
+    return njit(cache=True, error_model='numpy', fastmath=False)(function)

@@ -1,0 +1,281 @@
+"""Contact pairs, their gaps and Jacobian rows, and the table of gaps that could close.
+
+A configuration is q = (x, y, φ, θ_L, θ_R): centroid [m], rotation [rad], joint angles [rad].
+A contact pair is one integer, see `pair_code`. Geometry arrays ("world"):
+    obj (n, 2) vertices about the centroid, palm (p, 2) polyline, fingers (2, 4) rows (axis x, axis y, length, half width),
+    corners (c,) indices of the palm vertices that can touch an object edge.
+"""
+import numpy as np
+
+from . import kernel
+
+VERTEX_EDGE, EDGE_CORNER = 0, 1          # object vertex on hand edge; object edge on hand corner
+PALM, LEFT_FINGER, RIGHT_FINGER = 0, 1, 2
+INNER, TIP, OUTER, BASE = 0, 1, 2, 3     # edges of a finger
+INNER_CORNER, OUTER_CORNER = 0, 1        # its two corners at the tip
+
+
+@kernel
+def pair_code(kind, body, hand_feature, object_feature):
+    """One integer for a contact pair."""
+    return (kind << 20) | (body << 16) | (hand_feature << 8) | object_feature
+
+
+@kernel
+def pair_kind(code):
+    return (code >> 20) & 1
+
+
+@kernel
+def pair_body(code):
+    return (code >> 16) & 15
+
+
+@kernel
+def pair_hand_feature(code):
+    return (code >> 8) & 255
+
+
+@kernel
+def pair_object_feature(code):
+    return code & 255
+
+
+@kernel
+def finger_axes(fingers, side, theta):
+    """Direction u and inner normal w (towards the other finger) of a finger."""
+    ux, uy = np.cos(theta), np.sin(theta)
+    if side == 0:
+        return ux, uy, uy, -ux
+    return ux, uy, -uy, ux
+
+
+@kernel
+def finger_edge(fingers, side, feature, theta):
+    """(start x, y, direction x, y, outward normal x, y, length) of a finger's edge."""
+    ax, ay, length, half = fingers[side, 0], fingers[side, 1], fingers[side, 2], fingers[side, 3]
+    ux, uy, wx, wy = finger_axes(fingers, side, theta)
+    if feature == 0:
+        return ax + half * wx, ay + half * wy, ux, uy, wx, wy, length
+    if feature == 1:
+        return ax + length * ux - half * wx, ay + length * uy - half * wy, wx, wy, ux, uy, 2.0 * half
+    if feature == 2:
+        return ax - half * wx, ay - half * wy, ux, uy, -wx, -wy, length
+    return ax - half * wx, ay - half * wy, wx, wy, -ux, -uy, 2.0 * half
+
+
+@kernel
+def finger_corner(fingers, side, feature, theta):
+    """(x, y) of a finger's corner at the tip."""
+    ux, uy, wx, wy = finger_axes(fingers, side, theta)
+    h = fingers[side, 3] if feature == 0 else -fingers[side, 3]
+    length = fingers[side, 2]
+    return fingers[side, 0] + length * ux + h * wx, fingers[side, 1] + length * uy + h * wy
+
+
+@kernel
+def palm_edge(palm, k):
+    """(start x, y, direction x, y, normal to the free side x, y, length) of a palm edge."""
+    dx, dy = palm[k + 1, 0] - palm[k, 0], palm[k + 1, 1] - palm[k, 1]
+    length = np.sqrt(dx * dx + dy * dy)
+    dx, dy = dx / length, dy / length
+    return palm[k, 0], palm[k, 1], dx, dy, -dy, dx, length
+
+
+@kernel
+def object_vertex(obj, i, x, y, c, s):
+    return x + c * obj[i, 0] - s * obj[i, 1], y + s * obj[i, 0] + c * obj[i, 1]
+
+
+@kernel
+def object_edge(obj, j, x, y, c, s):
+    """(start x, y, direction x, y, outward normal x, y, length) of an object edge."""
+    k = j + 1 if j + 1 < obj.shape[0] else 0
+    ax, ay = object_vertex(obj, j, x, y, c, s)
+    bx, by = object_vertex(obj, k, x, y, c, s)
+    dx, dy = bx - ax, by - ay
+    length = np.sqrt(dx * dx + dy * dy)
+    dx, dy = dx / length, dy / length
+    return ax, ay, dx, dy, dy, -dx, length
+
+
+@kernel
+def hand_edge(palm, fingers, body, feature, q):
+    if body == 0:
+        return palm_edge(palm, feature)
+    return finger_edge(fingers, body - 1, feature, q[2 + body])
+
+
+@kernel
+def hand_corner(palm, fingers, body, feature, q):
+    if body == 0:
+        return palm[feature, 0], palm[feature, 1]
+    return finger_corner(fingers, body - 1, feature, q[2 + body])
+
+
+@kernel
+def contact(obj, palm, fingers, code, q):
+    """(point x, y, normal towards the object x, y, gap, position along the edge, edge length) of a pair [m]."""
+    body, hand_feature, object_feature = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
+    c, s = np.cos(q[2]), np.sin(q[2])
+    if pair_kind(code) == 0:
+        px, py = object_vertex(obj, object_feature, q[0], q[1], c, s)
+        ax, ay, dx, dy, nx, ny, length = hand_edge(palm, fingers, body, hand_feature, q)
+        rx, ry = px - ax, py - ay
+        return px, py, nx, ny, nx * rx + ny * ry, dx * rx + dy * ry, length
+    px, py = hand_corner(palm, fingers, body, hand_feature, q)
+    ax, ay, dx, dy, mx, my, length = object_edge(obj, object_feature, q[0], q[1], c, s)
+    rx, ry = px - ax, py - ay
+    return px, py, -mx, -my, mx * rx + my * ry, dx * rx + dy * ry, length
+
+
+@kernel
+def fill_row(row, px, py, nx, ny, body, fingers, q):
+    """Row of ∂(motion along n at p of object relative to hand)/∂q̇: [nᵀ, n·(p−o)^⊥, −n·(p−axis)^⊥ in the finger's column]."""
+    row[0], row[1] = nx, ny
+    row[2] = -nx * (py - q[1]) + ny * (px - q[0])
+    row[3], row[4] = 0.0, 0.0
+    if body > 0:
+        ax, ay = fingers[body - 1, 0], fingers[body - 1, 1]
+        row[2 + body] = -(-nx * (py - ay) + ny * (px - ax))
+
+
+@kernel
+def normal_rows(obj, palm, fingers, codes, q, rows, gaps):
+    """Fill rows (k, 5) = ∂gap/∂q = [G_nᵀ, −J_n] of eq. (1), and gaps (k,)."""
+    for i in range(codes.shape[0]):
+        px, py, nx, ny, gap, _, _ = contact(obj, palm, fingers, codes[i], q)
+        fill_row(rows[i], px, py, nx, ny, pair_body(codes[i]), fingers, q)
+        gaps[i] = gap
+
+
+@kernel
+def tangent_rows(obj, palm, fingers, codes, q, rows):
+    """Fill rows (k, 5): sliding speed of the object on the hand is rows @ q̇, along the normal turned by +90°."""
+    for i in range(codes.shape[0]):
+        px, py, nx, ny, _, _, _ = contact(obj, palm, fingers, codes[i], q)
+        fill_row(rows[i], px, py, -ny, nx, pair_body(codes[i]), fingers, q)
+
+
+@kernel
+def table_size(obj, palm, corners):
+    """Entries of the gap table: each object vertex with each palm edge and finger, each hand corner with the object."""
+    return obj.shape[0] * (palm.shape[0] + 1) + corners.shape[0] + 4
+
+
+@kernel
+def entry_of(obj, palm, corners, code):
+    """Index of the table's entry that a pair belongs to."""
+    n, body, feature = obj.shape[0], pair_body(code), pair_hand_feature(code)
+    p = palm.shape[0] - 1
+    if pair_kind(code) == 0:
+        column = feature if body == 0 else p + body - 1
+        return column * n + pair_object_feature(code)
+    base = n * (p + 2)
+    if body > 0:
+        return base + 2 * (body - 1) + feature
+    for i in range(corners.shape[0]):
+        if corners[i] == feature:
+            return base + 4 + i
+    return -1
+
+
+@kernel
+def corner_depth(obj, px, py, x, y, c, s):
+    """(signed distance of a point to the object's nearest edge line from outside, that edge): max over edges."""
+    best, edge = -np.inf, -1
+    for j in range(obj.shape[0]):
+        ax, ay, dx, dy, mx, my, _ = object_edge(obj, j, x, y, c, s)
+        gap = mx * (px - ax) + my * (py - ay)
+        if gap > best:
+            best, edge = gap, j
+    return best, edge
+
+
+@kernel
+def gap_table(obj, palm, fingers, corners, q, gaps, codes):
+    """Fill, for every entry, the signed gap [m] of the feature's nearest opposite edge and the code of that pair.
+
+    A vertex beside a palm edge's extent has an infinite gap. Penetration shows as a negative entry.
+    """
+    n, p = obj.shape[0], palm.shape[0] - 1
+    c, s = np.cos(q[2]), np.sin(q[2])
+    for i in range(n):
+        vx, vy = object_vertex(obj, i, q[0], q[1], c, s)
+        for k in range(p):
+            ax, ay, dx, dy, nx, ny, length = palm_edge(palm, k)
+            along = dx * (vx - ax) + dy * (vy - ay)
+            inside = 0.0 <= along <= length
+            gaps[k * n + i] = nx * (vx - ax) + ny * (vy - ay) if inside else np.inf
+            codes[k * n + i] = pair_code(0, 0, k, i)
+        for side in range(2):
+            ux, uy, wx, wy = finger_axes(fingers, side, q[3 + side])
+            rx, ry = vx - fingers[side, 0], vy - fingers[side, 1]
+            along, across = ux * rx + uy * ry, wx * rx + wy * ry
+            half = fingers[side, 3]
+            best, feature = across - half, 0
+            if along - fingers[side, 2] > best:
+                best, feature = along - fingers[side, 2], 1
+            if -across - half > best:
+                best, feature = -across - half, 2
+            if -along > best:
+                best, feature = -along, 3
+            entry = (p + side) * n + i
+            gaps[entry] = best
+            codes[entry] = pair_code(0, 1 + side, feature, i)
+    base = n * (p + 2)
+    for side in range(2):
+        for feature in range(2):
+            px, py = finger_corner(fingers, side, feature, q[3 + side])
+            gap, edge = corner_depth(obj, px, py, q[0], q[1], c, s)
+            gaps[base + 2 * side + feature] = gap
+            codes[base + 2 * side + feature] = pair_code(1, 1 + side, feature, edge)
+    for i in range(corners.shape[0]):
+        px, py = palm[corners[i], 0], palm[corners[i], 1]
+        gap, edge = corner_depth(obj, px, py, q[0], q[1], c, s)
+        gaps[base + 4 + i] = gap
+        codes[base + 4 + i] = pair_code(1, 0, corners[i], edge)
+
+
+@kernel
+def finger_clearance(obj, fingers, side, theta, x, y, c, s):
+    """Signed gap [m] between a finger and the object by their vertices: the least entry of the gap table for that finger."""
+    ux, uy, wx, wy = finger_axes(fingers, side, theta)
+    length, half = fingers[side, 2], fingers[side, 3]
+    least = np.inf
+    for i in range(obj.shape[0]):
+        vx, vy = object_vertex(obj, i, x, y, c, s)
+        rx, ry = vx - fingers[side, 0], vy - fingers[side, 1]
+        along, across = ux * rx + uy * ry, wx * rx + wy * ry
+        least = min(least, max(max(across - half, -across - half), max(along - length, -along)))
+    for feature in range(2):
+        px, py = finger_corner(fingers, side, feature, theta)
+        least = min(least, corner_depth(obj, px, py, x, y, c, s)[0])
+    return least
+
+
+@kernel
+def closing_angle(obj, fingers, limits, side, x, y, angle):
+    """Joint angle at which a finger, swept closed from its open limit, first touches the object at (x, y, angle).
+
+    NaN when it touches at its open limit already, or never.
+    """
+    c, s = np.cos(angle), np.sin(angle)
+    opened, shut = (limits[side, 1], limits[side, 0]) if side == 0 else (limits[side, 0], limits[side, 1])
+    if finger_clearance(obj, fingers, side, opened, x, y, c, s) <= 0.0:
+        return np.nan
+    steps = 90
+    free = opened
+    for k in range(1, steps + 1):
+        theta = opened + (shut - opened) * k / steps
+        if finger_clearance(obj, fingers, side, theta, x, y, c, s) <= 0.0:
+            touching = theta
+            for _ in range(50):
+                middle = 0.5 * (free + touching)
+                if finger_clearance(obj, fingers, side, middle, x, y, c, s) > 0.0:
+                    free = middle
+                else:
+                    touching = middle
+            return free
+        free = theta
+    return np.nan

@@ -1,0 +1,79 @@
+"""Equilibrium of four contacts: contact forces affine in the torque of one finger, and the interval that keeps them compressive."""
+import numpy as np
+
+from . import kernel
+from .linear import solve_in_place
+
+
+@kernel
+def equilibrium_forces(rows, load, torque_column, forces):
+    """Solve eq. (4) for f = a + b τ_T; forces (4, 2) receives columns a [N] and b [1/m]. Returns the pivot ratio.
+
+    rows: (4, 5) = [G_nᵀ, −J_n] (or its friction-tilted copy); load: (5,) = (−g_O, g_h) [N, N, N m, N m, N m].
+    [G_n; −J_nTᵀ] f = [−g_O; g_T − τ_T].
+    """
+    m = np.empty((4, 4))
+    for i in range(4):
+        for k in range(3):
+            m[k, i] = rows[i, k]
+        m[3, i] = rows[i, torque_column]
+        forces[i, 0], forces[i, 1] = 0.0, 0.0
+    for k in range(3):
+        forces[k, 0] = load[k]
+    forces[3, 0] = load[torque_column]
+    forces[3, 1] = -1.0
+    return solve_in_place(m, forces)
+
+
+@kernel
+def torque_interval(rows, load, limits, torque_column, forces):
+    """(τ_min, τ_max) [N m] of the torque-controlled finger by (4), (5) and both motors' limits; (1, −1)-like when empty.
+
+    f ≥ 0 is affine in τ_T, and so is τ_V = −rows[:, V]ᵀ f + g_V: the range of problem (6) is an interval, found by clipping.
+    Returns (τ_min, τ_max, pivot ratio).
+    """
+    ratio = equilibrium_forces(rows, load, torque_column, forces)
+    low, high = -limits[torque_column - 3], limits[torque_column - 3]
+    if ratio < 1e-9:
+        return 1.0, -1.0, ratio
+    for i in range(4):
+        a, b = forces[i, 0], forces[i, 1]
+        low, high = clip_interval(low, high, a, b)
+    velocity_column = 7 - torque_column
+    a, b = load[velocity_column], 0.0
+    for i in range(4):
+        a -= rows[i, velocity_column] * forces[i, 0]
+        b -= rows[i, velocity_column] * forces[i, 1]
+    limit = limits[velocity_column - 3]
+    low, high = clip_interval(low, high, limit - a, -b)
+    low, high = clip_interval(low, high, limit + a, b)
+    return low, high, ratio
+
+
+@kernel
+def load_at(load, finger_moment, q, out):
+    """Fill out (5,) = (−g_O, g_h): the fingers' entries are the torques that hold them against gravity, m g L/2 cos θ."""
+    out[0], out[1], out[2] = load[0], load[1], load[2]
+    out[3], out[4] = finger_moment[0] * np.cos(q[3]), finger_moment[1] * np.cos(q[4])
+
+
+@kernel
+def clip_interval(low, high, a, b):
+    """Keep of [low, high] what satisfies a + b τ ≥ 0."""
+    if abs(b) < 1e-12:
+        return (low, high) if a >= -1e-12 else (1.0, -1.0)
+    if b > 0.0:
+        return max(low, -a / b), high
+    return low, min(high, -a / b)
+
+
+@kernel
+def tilt_rows(rows, tangents, velocity, friction, tilted):
+    """Rows (k, 5) through which contact forces act when every contact slides with friction: N − μ sign(T q̇) T."""
+    for i in range(rows.shape[0]):
+        slip = 0.0
+        for j in range(5):
+            slip += tangents[i, j] * velocity[j]
+        sign = 0.0 if abs(slip) < 1e-9 else (1.0 if slip > 0.0 else -1.0)
+        for j in range(5):
+            tilted[i, j] = rows[i, j] - friction * sign * tangents[i, j]

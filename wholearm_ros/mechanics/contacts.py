@@ -1,0 +1,133 @@
+"""Contacts of the object with the palm and the fingers: their names, the contact state, and how the hand closes on the object."""
+from itertools import combinations
+
+import numpy as np
+
+from ..errors import ScenarioError
+from ..kernels import geometry
+from ..model.hand import LEFT, RIGHT, SIDES
+from ..model.scenario import Scenario, StartAtPose
+from ..model.task import palm_segment_under, start_rotation
+from .world import World, build_world
+
+CLOSED_GAP = 1e-7  # [m] a pair with a smaller gap is closed
+DEEPEST_START = 1e-4  # [m] how far a start given as a pose may penetrate
+FINGER_EDGES = ('inner', 'tip', 'outer', 'base')
+FINGER_CORNERS = ('inner_corner', 'outer_corner')
+
+
+def pair_name(code: int) -> str:
+    """A contact pair in words: `v0:palm.e0`, `v5:left.inner`, `e3:right.inner_corner`."""
+    kind, body = geometry.pair_kind(code), geometry.pair_body(code)
+    hand, obj = int(geometry.pair_hand_feature(code)), int(geometry.pair_object_feature(code))
+    if body == geometry.PALM:
+        feature = f'palm.{"e" if kind == geometry.VERTEX_EDGE else "v"}{hand}'
+    else:
+        feature = f'{SIDES[body - 1]}.{(FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS)[hand]}'
+    return f'{"v" if kind == geometry.VERTEX_EDGE else "e"}{obj}:{feature}'
+
+
+def pair_from_name(name: str) -> int:
+    """The inverse of `pair_name`. Raises ValueError for anything else."""
+    obj, hand = name.split(':')
+    body, feature = hand.split('.')
+    kind = {'v': geometry.VERTEX_EDGE, 'e': geometry.EDGE_CORNER}[obj[0]]
+    if body == 'palm':
+        return int(geometry.pair_code(kind, geometry.PALM, int(feature[1:]), int(obj[1:])))
+    features = FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS
+    return int(geometry.pair_code(kind, 1 + SIDES.index(body), features.index(feature), int(obj[1:])))
+
+
+def gap_table(world: World, q: np.ndarray) -> tuple:
+    """(gaps (m,) [m], pair codes (m,)) of every feature with the nearest edge opposite; see the kernel."""
+    size = geometry.table_size(world.obj, world.palm, world.corners)
+    gaps, codes = np.empty(size), np.empty(size, np.int64)
+    geometry.gap_table(*world.geometry, world.corners, q, gaps, codes)
+    return gaps, codes
+
+
+def closed_pairs(world: World, q: np.ndarray, tolerance: float = CLOSED_GAP) -> tuple:
+    """Codes of the pairs that are closed at q, sorted: the contact state."""
+    gaps, codes = gap_table(world, q)
+    return tuple(sorted(int(c) for c in codes[np.abs(gaps) <= tolerance]))
+
+
+def contact_state_matrix(world: World, pairs: tuple) -> np.ndarray:
+    """C (2n, h), bool: rows are the object's vertices then edges, columns the hand's features (palm, left, right)."""
+    n, p = len(world.obj), len(world.palm)
+    palm_columns = (p - 1) + p
+    c = np.zeros((2 * n, palm_columns + 12), dtype=bool)
+    for code in pairs:
+        kind, body = geometry.pair_kind(code), geometry.pair_body(code)
+        hand = geometry.pair_hand_feature(code)
+        row = geometry.pair_object_feature(code) + (n if kind else 0)
+        column = hand + (p - 1 if kind else 0) if body == 0 else palm_columns + 6 * (body - 1) + hand + (4 if kind else 0)
+        c[row, column] = True
+    return c
+
+
+def four_contact_subsets(pairs: tuple) -> list:
+    """Every choice of four of the pairs with at least one on each finger and the palm."""
+    return [four for four in combinations(pairs, 4) if {int(geometry.pair_body(c)) for c in four} == {0, 1, 2}]
+
+
+def contact_rows(world: World, pairs, q: np.ndarray) -> tuple:
+    """(rows (k, 5) = [G_nᵀ, −J_n] of eq. (1), gaps (k,) [m])."""
+    codes = np.asarray(pairs, dtype=np.int64)
+    rows, gaps = np.empty((len(codes), 5)), np.empty(len(codes))
+    geometry.normal_rows(*world.geometry, codes, q, rows, gaps)
+    return rows, gaps
+
+
+def deepest_penetration(world: World, q: np.ndarray) -> tuple:
+    """(depth [m], pair name): the most negative gap at q, 0 when nothing penetrates."""
+    gaps, codes = gap_table(world, q)
+    k = int(np.argmin(gaps))
+    return max(0.0, -float(gaps[k])), pair_name(codes[k])
+
+
+def close_finger(world: World, pose: np.ndarray, side: int) -> float:
+    """Joint angle [rad] at which a finger, swept closed from its open limit, first touches the object at `pose` (3,).
+
+    Raises ScenarioError when it comes to its other limit without touching, or touches at its open limit already.
+    """
+    angle = geometry.closing_angle(world.obj, world.fingers, world.limits, side, *pose)
+    if np.isnan(angle):
+        low, high = world.limits[side]
+        raise ScenarioError(f'hand.{SIDES[side]}: the finger, swept closed between {low:.3f} and {high:.3f} rad, does not '
+                            f'come to touch the object at {_show(pose)}; allowed: an object that lies between the open '
+                            'fingers and within their reach')
+    return angle
+
+
+def start_configuration(scenario: Scenario, world: World = None) -> np.ndarray:
+    """q (5,) at the start: the object at rest on the palm, the fingers closed on it.
+
+    Raises ScenarioError when a finger cannot touch the object, or the start penetrates the hand.
+    """
+    world = world or build_world(scenario)
+    start = scenario.start
+    if isinstance(start, StartAtPose):
+        q = np.concatenate([start.pose, start.fingers])
+    else:
+        pose = pose_on_palm(world, start.x, start_rotation(scenario), palm_segment_under(scenario.palm, start.x))
+        q = np.concatenate([pose, [close_finger(world, pose, LEFT), close_finger(world, pose, RIGHT)]])
+    depth, pair = deepest_penetration(world, q)
+    if depth > DEEPEST_START:
+        raise ScenarioError(f'start: the object penetrates the hand by {1000 * depth:.2f} mm at {pair}; '
+                            f'allowed: at most {1000 * DEEPEST_START:.2f} mm')
+    return q
+
+
+def pose_on_palm(world: World, x: float, angle: float, segment: int = 0) -> np.ndarray:
+    """(3,) pose whose lowest vertex touches the line of a palm segment, with the centroid at x [m]."""
+    ax, ay, _, _, nx, ny, _ = geometry.palm_edge(world.palm, segment)
+    c, s = np.cos(angle), np.sin(angle)
+    turned = world.obj @ np.array([[c, s], [-s, c]])
+    reach = (turned @ [nx, ny]).min()
+    y = ay + (-reach - nx * (x - ax)) / ny
+    return np.array([x, y, angle])
+
+
+def _show(pose):
+    return f'x {pose[0]:.3f} m, y {pose[1]:.3f} m, {pose[2]:.3f} rad'

@@ -1,0 +1,60 @@
+"""A scenario as the arrays that the kernels work on."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model.arrays import readonly
+from ..model.scenario import Scenario
+
+LENGTH_SCALE = 0.1  # [m] that counts as much as 1 rad where configurations are compared
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """obj (n, 2) [m] about the centroid, palm (p, 2) [m], fingers (2, 4) [m] (axis, length, half width),
+    corners (c,) palm vertices that can touch an object edge, scale (5,), limits (2, 2) [rad],
+    load (5,) = (−g_O, ·) whose finger entries `load_at` fills in [N, N m], finger_moment (2,) [N m] = m g L / 2,
+    inertias (5,) [kg, kg, kg m², …], torque_limits (2,) [N m].
+    """
+
+    obj: np.ndarray
+    palm: np.ndarray
+    fingers: np.ndarray
+    corners: np.ndarray
+    scale: np.ndarray
+    limits: np.ndarray
+    load: np.ndarray
+    finger_moment: np.ndarray
+    inertias: np.ndarray
+    torque_limits: np.ndarray
+
+    @property
+    def geometry(self) -> tuple:
+        """The first arguments of every geometry kernel."""
+        return self.obj, self.palm, self.fingers
+
+
+def build_world(scenario: Scenario) -> World:
+    """The arrays of a scenario."""
+    body, hand, g = scenario.object, scenario.hand, scenario.gravity.in_plane
+    fingers = [(*f.axis, f.length, f.half_width) for f in (hand.left, hand.right)]
+    both = (hand.left, hand.right)
+    return World(
+        obj=readonly(body.polygon.vertices_about_centroid),
+        palm=readonly(scenario.palm.vertices),
+        fingers=readonly(fingers),
+        corners=readonly(_touchable_corners(scenario.palm.vertices), dtype=np.int64),
+        scale=readonly([LENGTH_SCALE, LENGTH_SCALE, 1.0, 1.0, 1.0]),
+        limits=readonly([f.angle_limits for f in both]),
+        load=readonly([0.0, body.mass * g, 0.0, 0.0, 0.0]),
+        finger_moment=readonly([f.mass * g * f.length / 2 for f in both]),
+        inertias=readonly([body.mass, body.mass, body.inertia, both[0].inertia, both[1].inertia]),
+        torque_limits=readonly([f.torque_limit for f in both]),
+    )
+
+
+def _touchable_corners(palm: np.ndarray) -> list:
+    """Both ends, and the vertices that bulge to the free side."""
+    d = np.diff(palm, axis=0)
+    turn = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
+    return [0, *(int(k) + 1 for k in np.flatnonzero(turn < -1e-12)), len(palm) - 1]
