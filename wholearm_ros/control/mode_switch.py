@@ -57,10 +57,15 @@ class ModeSwitch:
         """The next state and both setpoints at time `now` [s]."""
         if state.mode != STOPPED:
             state = self._advance(state, now, joints)
-        if state.mode == STOPPED:
-            finger = self._finger(state)
-            return state, VelocitySetpoint(finger, state.held_angle, 0.0, 0.0), TorqueSetpoint(1 - finger, 0.0)
-        return (state, *self._setpoints(state, now))
+        if state.mode != STOPPED:
+            motion, torque = self._setpoints(state, now)
+            error = float(joints.angles[motion.joint]) - motion.angle
+            if abs(error) <= self.options.max_tracking_error:
+                return state, motion, torque
+            state = self.stop(state, joints, f'tracking error of the velocity-controlled finger is {error:+.3f} rad; '
+                                             f'allowed: {self.options.max_tracking_error} rad')
+        finger = self._finger(state)
+        return state, VelocitySetpoint(finger, state.held_angle, 0.0, 0.0), TorqueSetpoint(1 - finger, 0.0)
 
     def _finger(self, state: SwitchState) -> int:
         first = self.trajectory.segments[0].velocity_finger
@@ -77,14 +82,8 @@ class ModeSwitch:
         if segment.velocity_finger != state.velocity_finger:
             state = self._hand_over(state, now, elapsed, segment.velocity_finger, joints)
         duration = self.trajectory.duration
-        state = replace(state, elapsed=elapsed, progress=min(max(elapsed / duration, 0.0), 1.0),
-                        mode=DONE if elapsed >= duration else segment.mode)
-        motion, _ = self._setpoints(state, now)
-        error = float(joints.angles[motion.joint]) - motion.angle
-        if abs(error) > self.options.max_tracking_error:
-            return self.stop(state, joints, f'tracking error of the velocity-controlled finger is {error:+.3f} rad; '
-                                            f'allowed: {self.options.max_tracking_error} rad')
-        return state
+        return replace(state, elapsed=elapsed, progress=min(max(elapsed / duration, 0.0), 1.0),
+                       mode=DONE if elapsed >= duration else segment.mode)
 
     def _unreadable(self, now: float, joints: Joints) -> str:
         age = now - joints.stamp

@@ -8,8 +8,6 @@ PyBullet's world is enlarged SCALE times (lengths; forces, torques and inertias 
 collision margin of 1 mm that rounds their corners; enlarged, it is 0.1 mm of the real object, and so is the inset that
 puts contacts at the true faces.
 """
-import io
-from contextlib import redirect_stderr
 from typing import List, Optional, Tuple
 
 import numpy as np
@@ -20,8 +18,9 @@ from .backend import ContactPoint
 from .drives import Drives, Encoders
 from .perturbation import NOMINAL, Perturbation
 from .prism import finger_rectangle, inset, palm_slabs
+from .quiet import quiet_stderr
 
-with redirect_stderr(io.StringIO()):  # it prints its build time when imported
+with quiet_stderr():  # it prints its build time when imported
     import pybullet
 
 SCALE = 10.0            # PyBullet lengths a metre
