@@ -9,7 +9,7 @@ from ..errors import ScenarioError
 from .hand import SIDES, Finger, Hand, Palm
 from .polygon import Polygon
 from .scenario import GoalAtPose, GoalOnEdge, Gravity, ManipulatedObject, Scenario, StartAtPose, StartOnEdge
-from .scenario_checks import problems_with
+from .scenario_checks import problems_at_start, problems_with
 from .scenario_schema import AT_POSE, ON_EDGE, GoalOnEdgeTable, ScenarioTable, StartOnEdgeTable
 from .yaml_text import read_mapping
 
@@ -28,7 +28,11 @@ def parse_scenario(mapping: Mapping, source: str = 'scenario') -> Scenario:
     problems = problems_with(table)
     if problems:
         raise _refusal(source, problems)
-    return _build(table)
+    scenario = _build(table)
+    problems = problems_at_start(scenario)
+    if problems:
+        raise _refusal(source, problems)
+    return scenario
 
 
 def scenario_to_dict(scenario: Scenario) -> dict:

@@ -1,0 +1,70 @@
+"""Plain tests on polygons: turns, crossings, separation. For checking input; the kernels have their own geometry."""
+import numpy as np
+
+
+def turns(vertices: np.ndarray) -> np.ndarray:
+    """(n,) sine of the turn at each vertex (n, 2), positive to the left; 0 where an edge has no length."""
+    after = np.roll(vertices, -1, axis=0) - vertices
+    before = np.roll(after, 1, axis=0)
+    lengths = np.linalg.norm(after, axis=1)
+    scale = lengths * np.roll(lengths, 1)
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    return np.divide(cross, scale, out=np.zeros(len(vertices)), where=scale > 0.0)
+
+
+def signed_area(vertices: np.ndarray) -> float:
+    """[m²], positive when counter-clockwise."""
+    w = np.roll(vertices, -1, axis=0)
+    return 0.5 * float((vertices[:, 0] * w[:, 1] - vertices[:, 1] * w[:, 0]).sum())
+
+
+def crossing_edges(vertices: np.ndarray):
+    """The first two edges (i, j), not neighbours, that meet; None when the outline is simple."""
+    n = len(vertices)
+    for i in range(n):
+        for j in range(i + 2, n):
+            if (j + 1) % n != i and _meet(vertices[i], vertices[(i + 1) % n], vertices[j], vertices[(j + 1) % n]):
+                return i, j
+    return None
+
+
+def separation(a: np.ndarray, b: np.ndarray) -> float:
+    """[m] of two convex, counter-clockwise polygons (n, 2), (m, 2): positive when apart (then at most their distance),
+    negative when they overlap (then minus the depth of penetration). The separating axis theorem."""
+    return max(_apart(a, b), _apart(b, a))
+
+
+def rectangle(axis: np.ndarray, angle: float, length: float, half_width: float) -> np.ndarray:
+    """(4, 2) [m] counter-clockwise: from `axis` along `angle` [rad]."""
+    along = np.array([np.cos(angle), np.sin(angle)])
+    across = half_width * np.array([-along[1], along[0]])
+    tip = axis + length * along
+    return np.array([axis - across, tip - across, tip + across, axis + across])
+
+
+def turned(vertices: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """(n, 2) [m]: vertices about the centroid, at `pose` (3,) x, y, rotation."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return vertices @ np.array([[c, s], [-s, c]]) + pose[:2]
+
+
+def _apart(a: np.ndarray, b: np.ndarray) -> float:
+    """Largest distance of b from a line through an edge of a, outwards."""
+    edges = np.roll(a, -1, axis=0) - a
+    outward = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
+    heights = outward @ b.T - (outward * a).sum(axis=1)[:, None]
+    return float(heights.min(axis=1).max())
+
+
+def _side(p, q, r) -> float:
+    return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+
+def _meet(a, b, c, d) -> bool:
+    """Whether the segments ab and cd have a point in common."""
+    s1, s2, s3, s4 = _side(a, b, c), _side(a, b, d), _side(c, d, a), _side(c, d, b)
+    if s1 * s2 < 0.0 and s3 * s4 < 0.0:
+        return True
+    on = ((s1, a, b, c), (s2, a, b, d), (s3, c, d, a), (s4, c, d, b))
+    return any(s == 0.0 and min(p[0], q[0]) <= r[0] <= max(p[0], q[0]) and min(p[1], q[1]) <= r[1] <= max(p[1], q[1])
+               for s, p, q, r in on)
