@@ -1,0 +1,140 @@
+"""The suite: many tasks planned and executed on a stand-in, without ROS, by the same code as the nodes."""
+import traceback
+import zlib
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from functools import partial
+from multiprocessing import get_context
+from typing import Callable, Iterable, Optional
+
+import numpy as np
+
+from ..control.setpoints import ControlOptions
+from ..errors import WholeArmError
+from ..model.scenario import Scenario
+from ..model.scenario_file import parse_scenario
+from ..offer import Request, offer
+from .outcome import outcome
+from .perturbation import draw_perturbation
+from .run import run
+from .suite_file import Task
+
+TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
+
+
+@dataclass(frozen=True)
+class SuiteOptions:
+    """seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed runs a task;
+    search, transition, time_budget [s]: of the request to the planner; backend, rate [Hz]: of the stand-in."""
+
+    seed: int = 0
+    perturb: float = 0.0
+    draws: int = 1
+    search: str = 'best'
+    transition: str = 'auto'
+    time_budget: float = 10.0
+    backend: str = 'pybullet'
+    rate: float = 1000.0
+    controls: ControlOptions = field(default_factory=ControlOptions)
+
+
+def run_suite(tasks: Iterable[Task], options: SuiteOptions, jobs: int = 1,
+              on_result: Optional[Callable[[dict], None]] = None) -> list:
+    """One result (dict) a task, in the tasks' order; `on_result` hears of each as it is done.
+
+    An error in a task is that task's result; it does not stop the others.
+    """
+    tasks, work = list(tasks), partial(run_task, options=options)
+    results = [None] * len(tasks)
+    for k, result in (_one_by_one if jobs == 1 else partial(_in_processes, jobs=jobs))(work, tasks):
+        results[k] = result
+        if on_result:
+            on_result(result)
+    return results
+
+
+def run_task(task: Task, options: SuiteOptions) -> dict:
+    """Plans and executes one task. Whatever goes wrong is told in `error`, never as 'no plan'."""
+    try:
+        return _planned_and_executed(task, options)
+    except WholeArmError as error:
+        return failed(task.name, str(error))
+    except Exception:  # the boundary of a task: a bug in one must be seen, and must not hide the others' results
+        return failed(task.name, traceback.format_exc())
+
+
+def failed(name: str, error: str) -> dict:
+    """The result of a task that could not be worked on."""
+    return {'name': name, 'planned': False, 'reason': 'error', 'error': error, **dict.fromkeys(TIMES), 'subgoals': 0,
+            'path_length': 0, 'modes': {}, 'executed': False, 'final_pose': None, 'draws': []}
+
+
+def perturbation_rng(options: SuiteOptions, name: str, draw: int) -> np.random.Generator:
+    """The generator of one draw: of the seed, the task's name and the draw's number only."""
+    return np.random.default_rng([options.seed, zlib.crc32(name.encode()), draw])
+
+
+def summarize(results: list) -> dict:
+    """Counts and times over the results. sound: executed runs / runs of planned tasks, None when nothing was planned."""
+    planned = [r for r in results if r['planned']]
+    runs = [d for r in planned for d in r['draws']]
+    done = sum(d['executed'] for d in runs)
+    summary = {'tasks': len(results), 'planned': len(planned), 'executed': sum(r['executed'] for r in results),
+               'errors': sum('error' in r for r in results), 'runs': len(runs), 'executed_runs': done,
+               'sound': done / len(runs) if runs else None}
+    for name in TIMES:
+        values = [r[name] for r in results if r[name] is not None]
+        summary[name] = {'median': float(np.median(values)), 'p95': float(np.percentile(values, 95))} if values else None
+    return summary
+
+
+def _planned_and_executed(task: Task, options: SuiteOptions) -> dict:
+    scenario = parse_scenario(task.scenario, task.name)
+    answer = offer(scenario, Request(search=options.search, seed=options.seed, transition=options.transition,
+                                     time_budget=options.time_budget))
+    plan, trajectory = answer.plan, answer.trajectory
+    result = {'name': task.name, 'planned': trajectory is not None,
+              'reason': '' if trajectory is not None else f'{plan.outcome}: {plan.reason}',
+              **{name: _number(answer.timings.get(name)) for name in TIMES},
+              'subgoals': len(plan.subgoals), 'path_length': len(plan.path),
+              'modes': trajectory.time_in_modes() if trajectory is not None else {},
+              'executed': False, 'final_pose': None, 'draws': []}
+    if trajectory is None:
+        return result
+    count = options.draws if options.perturb else 1
+    result['draws'] = [_executed(scenario, trajectory, task.name, k, options) for k in range(count)]
+    result['executed'] = all(d['executed'] for d in result['draws'])
+    result['final_pose'] = result['draws'][0]['final_pose']
+    return result
+
+
+def _executed(scenario: Scenario, trajectory, name: str, draw: int, options: SuiteOptions) -> dict:
+    perturbation = draw_perturbation(perturbation_rng(options, name, draw), options.perturb, scenario)
+    record = run(scenario, trajectory, backend=options.backend, rate=options.rate, perturbation=perturbation,
+                 controls=options.controls)
+    judged = outcome(scenario, record)
+    told = {'executed': judged.executed, 'reason': judged.reason, 'final_pose': judged.pose.tolist(),
+            'angle_error': judged.angle_error}
+    return {**told, 'perturbation': perturbation.to_dict()} if options.perturb else told
+
+
+def _number(value) -> Optional[float]:
+    return None if value is None else float(value)
+
+
+def _one_by_one(work, tasks):
+    for k, task in enumerate(tasks):
+        yield k, work(task)
+
+
+def _in_processes(work, tasks, jobs: int):
+    """As they are done. A worker that dies takes the tasks in its pool with it; they are told as errors."""
+    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) as pool:
+        futures = {pool.submit(work, task): k for k, task in enumerate(tasks)}
+        for future in as_completed(futures):
+            k = futures[future]
+            try:
+                yield k, future.result()
+            except BrokenProcessPool as error:
+                yield k, failed(tasks[k].name, f'a worker process died: {error}')
