@@ -1,0 +1,83 @@
+"""The hand's stand-in by our own forward dynamics (Phase 2's LCP time stepping): planar, needs nothing but the kernels."""
+from typing import List, Optional, Tuple
+
+import numpy as np
+
+from ..kernels import geometry, stepping
+from ..mechanics.world import build_world
+from ..model.hand import SIDES
+from ..model.scenario import Scenario
+from .backend import ContactPoint
+from .drives import Drives, Encoders
+from .perturbation import NOMINAL, Perturbation
+
+PHYSICS_RATE = 2000.0  # [Hz] at least
+TOUCHING = 1e-5        # [m] a pair with a smaller gap is reported as a contact
+
+
+class PlanarHand:
+    """See HandBackend. scenario: as told to the planner; the truth, with the perturbation applied, is `.scenario`.
+
+    The forces of `contacts()` are not kept by the time stepping: they are NaN. Fingers have no end stops.
+    """
+
+    def __init__(self, scenario: Scenario, rate: float = 1000.0, perturbation: Optional[Perturbation] = None):
+        perturbation = perturbation or NOMINAL
+        self.scenario = perturbation.applied(scenario)
+        self.period = 1.0 / rate
+        self._substeps = max(1, int(np.ceil(PHYSICS_RATE / rate - 1e-9)))
+        self._dt = self.period / self._substeps
+        self._world = build_world(self.scenario)
+        self._friction = float(perturbation.friction)
+        size = geometry.table_size(self._world.obj, self._world.palm, self._world.corners)
+        self._work = (np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_))
+        self._drives = Drives(self.scenario, perturbation, self._dt)
+        self._encoders = Encoders(perturbation)
+        self._q, self._v, self.time = np.zeros(5), np.zeros(5), 0.0
+        self._reading = (np.zeros(2), np.zeros(2))
+        self.largest_residual = 0.0  # [m/s] of the complementarity problem, since the reset
+
+    def reset(self, configuration: np.ndarray) -> None:
+        self._q, self._v, self.time = np.array(configuration, dtype=float), np.zeros(5), 0.0
+        self._work[2][:] = False
+        self.largest_residual = 0.0
+        self._drives.reset(self._q[3:])
+        self._encoders.reset()
+        self._reading = self._encoders.read(self._q[3:], self._v[3:])
+
+    def step(self, efforts: Optional[np.ndarray]) -> None:
+        w = self._world
+        for _ in range(self._substeps):
+            torques = self._drives.torques(efforts, self._q[3:], self._v[3:])
+            _, residual = stepping.step(*w.geometry, w.corners, w.inertias, w.load, w.finger_moment, self._friction,
+                                        torques, self._dt, self._q, self._v, self._work)
+            self.largest_residual = max(self.largest_residual, residual)
+        self.time += self.period
+        self._reading = self._encoders.read(self._q[3:], self._v[3:])
+
+    def joints(self) -> Tuple[np.ndarray, np.ndarray]:
+        return self._reading
+
+    def efforts(self) -> np.ndarray:
+        return self._drives.asked
+
+    def object_pose(self) -> np.ndarray:
+        return self._q[:3].copy()
+
+    def object_velocity(self) -> np.ndarray:
+        return self._v[:3].copy()
+
+    def contacts(self) -> List[ContactPoint]:
+        w = self._world
+        gaps, codes = self._work[0].copy(), self._work[1].copy()
+        geometry.gap_table(*w.geometry, w.corners, self._q, gaps, codes)
+        found = []
+        for code, gap in zip(codes[gaps < TOUCHING], gaps[gaps < TOUCHING]):
+            px, py, nx, ny, *_ = geometry.contact(*w.geometry, code, self._q)
+            body = int(geometry.pair_body(code))
+            found.append(ContactPoint('palm' if body == 0 else SIDES[body - 1], np.array([px, py]), np.array([nx, ny]),
+                                      float(gap), float('nan')))
+        return found
+
+    def disconnect(self) -> None:
+        """Nothing to free."""
