@@ -1,0 +1,99 @@
+"""The command line: exit codes, one clear message instead of a traceback, help that teaches."""
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from wholearm_ros.cli import app
+
+CONFIG = Path(__file__).parents[2] / 'config'
+HEXAGON = str(CONFIG / 'asymmetric_hexagon.yaml')
+
+
+def wholearm(*arguments):
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+@pytest.mark.parametrize('command', ['', 'plan', 'simulate', 'suite', 'version'])
+def test_help_names_an_example(command):
+    told = wholearm(*command.split(), '--help')
+    assert told.exit_code == 0
+    if command != 'version':
+        assert 'xample' in told.output and 'Exit codes' in told.output
+
+
+def test_run_is_listed_without_importing_ros_for_other_commands():
+    assert 'run' in wholearm('--help').output
+    code = ("import sys; from typer.testing import CliRunner; from wholearm_ros.cli import app; "
+            "CliRunner().invoke(app, ['version']); "
+            "print([m for m in ('rclpy', 'pybullet', 'numba') if m in sys.modules])")
+    assert subprocess.run([sys.executable, '-c', code], capture_output=True, text=True).stdout.strip() == '[]'
+
+
+@pytest.fixture
+def bad(tmp_path):
+    path = tmp_path / 'bad.yaml'
+    path.write_text(Path(HEXAGON).read_text().replace('mass: 0.353', 'mass: -0.353'))
+    return path
+
+
+@pytest.mark.parametrize('arguments', [['plan'], ['simulate'], ['suite']])
+def test_bad_input_is_exit_code_2_and_one_message(bad, arguments):
+    for path in (bad, bad.parent / 'none.yaml', bad.parent):
+        told = wholearm(*arguments, path)
+        assert told.exit_code == 2 and 'Traceback' not in told.output
+        assert str(path) in told.output.replace('\n', '')
+
+
+def test_what_is_wrong_is_said(bad):
+    told = wholearm('plan', bad)
+    assert 'object.mass: got -0.353; allowed: greater than 0' in told.output.replace('\n', ' ')
+
+
+@pytest.mark.parametrize('arguments', [
+    ['plan'], ['plan', HEXAGON, '--seed', '-1'], ['plan', HEXAGON, '--search', 'worst'], ['nothing'],
+    ['plan', HEXAGON, '--json', '/nowhere/at/all.json'], ['suite', HEXAGON, '--jobs', '0'],
+    ['simulate', HEXAGON, '--backend', 'gazebo'], ['simulate', HEXAGON, '--rate', '1'],
+])
+def test_bad_arguments_are_exit_code_2(arguments):
+    assert wholearm(*arguments).exit_code == 2
+
+
+def test_plan_then_simulate_from_the_document(tmp_path):
+    out, told = tmp_path / 'plan.json', tmp_path / 'run.json'
+    planned = wholearm('plan', HEXAGON, '--seed', 1, '--json', out)
+    assert planned.exit_code == 0, planned.output
+    assert json.loads(out.read_text())['format'] == 'wholearm-contact-plan/1'
+    done = wholearm('simulate', out, '--json', told)
+    assert done.exit_code == 0, done.output
+    result = json.loads(told.read_text())
+    assert result['executed'] and abs(result['angle_error']) <= 0.03
+
+
+def test_a_changed_plan_document_is_refused(tmp_path):
+    out = tmp_path / 'plan.json'
+    wholearm('plan', HEXAGON, '--json', out)
+    out.write_text(out.read_text().replace('0.353', '0.453'))
+    told = wholearm('simulate', out)
+    assert told.exit_code == 2 and 'Traceback' not in told.output
+
+
+def test_no_plan_is_exit_code_1(tmp_path):
+    """Motors too weak to lift the object: an honest no."""
+    weak = tmp_path / 'weak.yaml'
+    weak.write_text(Path(HEXAGON).read_text().replace('torque_limit: 7.0', 'torque_limit: 0.15'))
+    told = wholearm('plan', weak, '--time-budget', 3)
+    assert told.exit_code == 1 and 'no plan' in told.output
+
+
+def test_suite_writes_its_results(tmp_path):
+    from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
+    file, out = tmp_path / 'suite.json', tmp_path / 'out.json'
+    file.write_text(json.dumps({'format': 'wholearm-suite/1', 'tasks': [scenario_to_dict(load_scenario(HEXAGON))]}))
+    told = wholearm('suite', file, '--json', out)
+    assert told.exit_code == 0, told.output
+    document = json.loads(out.read_text())
+    assert document['format'] == 'wholearm-suite-result/1' and document['summary']['planned'] == 1
