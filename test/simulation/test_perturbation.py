@@ -14,8 +14,8 @@ from wholearm_ros.model.convex import turns
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import ManipulatedObject, StartAtPose
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.simulation.perturbation import NOMINAL, draw_perturbation
-from wholearm_ros.simulation.start import settled_start
+from wholearm_ros.model.perturbation import NOMINAL, draw_perturbation
+from wholearm_ros.mechanics.settled_start import settled_start
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
 

@@ -13,7 +13,7 @@ from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.model.task import goal_rotation
 from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment
 from wholearm_ros.simulation.outcome import ANGLE_TOLERANCE, outcome, palm_gap
-from wholearm_ros.simulation.perturbation import Perturbation, draw_perturbation
+from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
 from wholearm_ros.simulation.run import finished, run
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')

@@ -5,8 +5,8 @@ from typing import List, Optional, Protocol, Tuple
 import numpy as np
 
 from ..errors import HardwareError
+from ..model.perturbation import Perturbation
 from ..model.scenario import Scenario
-from .perturbation import Perturbation
 
 BACKENDS = ('pybullet', 'planar')
 

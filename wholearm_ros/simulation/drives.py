@@ -5,8 +5,8 @@ from typing import Optional, Tuple
 import numpy as np
 
 from ..errors import HardwareError
+from ..model.perturbation import Perturbation
 from ..model.scenario import Scenario
-from .perturbation import Perturbation
 
 HOLD_KP, HOLD_KD = 60.0, 1.5  # [N m/rad, N m s/rad] of the drives' own position hold before the first command
 

@@ -6,10 +6,10 @@ import numpy as np
 from ..kernels import geometry, stepping
 from ..mechanics.world import build_world
 from ..model.hand import SIDES
+from ..model.perturbation import NOMINAL, Perturbation
 from ..model.scenario import Scenario
 from .backend import ContactPoint
 from .drives import Drives, Encoders
-from .perturbation import NOMINAL, Perturbation
 
 PHYSICS_RATE = 2000.0  # [Hz] at least
 TOUCHING = 1e-5        # [m] a pair with a smaller gap is reported as a contact

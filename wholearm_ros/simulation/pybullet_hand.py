@@ -13,10 +13,10 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from ..model.hand import SIDES
+from ..model.perturbation import NOMINAL, Perturbation
 from ..model.scenario import Scenario
 from .backend import ContactPoint
 from .drives import Drives, Encoders
-from .perturbation import NOMINAL, Perturbation
 from .prism import finger_rectangle, inset, palm_slabs
 from .quiet import quiet_stderr
 

@@ -6,8 +6,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from ..model.perturbation import draw_perturbation
 from .outcome import Outcome, outcome
-from .perturbation import draw_perturbation
 from .run import RunRecord, run
 from .suite import TIMES, SuiteOptions, perturbation_rng
 

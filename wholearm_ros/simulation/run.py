@@ -8,12 +8,12 @@ from ..control.mode_switch import DONE, STOPPED, ModeSwitch
 from ..control.open_loop_torque import torque_effort
 from ..control.pd_velocity import velocity_effort
 from ..control.setpoints import ControlOptions, Joints
+from ..mechanics.settled_start import settled_start
 from ..model.hand import Hand
+from ..model.perturbation import NOMINAL, Perturbation
 from ..model.scenario import Scenario
 from ..model.trajectory import ManipulationTrajectory
 from .backend import HandBackend, make_hand
-from .perturbation import NOMINAL, Perturbation
-from .start import settled_start
 
 
 @dataclass(frozen=True, eq=False)

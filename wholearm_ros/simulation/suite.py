@@ -12,11 +12,11 @@ import numpy as np
 
 from ..control.setpoints import ControlOptions
 from ..errors import WholeArmError
+from ..model.perturbation import draw_perturbation
 from ..model.scenario import Scenario
 from ..model.scenario_file import parse_scenario
 from ..offer import Request, offer
 from .outcome import outcome
-from .perturbation import draw_perturbation
 from .run import run
 from .suite_file import Task
 

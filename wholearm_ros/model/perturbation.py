@@ -1,0 +1,93 @@
+"""What may truly be different from what the planner was told."""
+from dataclasses import dataclass, field, replace
+from typing import Optional
+
+import numpy as np
+
+from ..errors import ScenarioError
+from .arrays import readonly
+from .polygon import Polygon
+from .scenario import ManipulatedObject, Scenario
+
+# At level 1; each is multiplied by the level.
+MASS_SHARE = 0.05          # mass is off by up to this share
+VERTEX_OFFSET = 0.0005     # [m] each coordinate of each vertex is off by up to this
+MAX_FRICTION = 0.05        # coefficient of friction of the object against everything
+MAX_DELAY = 0.003          # [s] from a command to the motor
+TORQUE_SHARE = 0.03        # each motor's torque is off by up to this share
+ENCODER_NOISE = 0.0002     # [rad] standard deviation of an angle reading
+VELOCITY_NOISE = 0.02      # [rad/s] standard deviation of a velocity reading: a filtered derivative of those angles
+MIN_TURN = 1e-3            # sine of the smallest turn that a perturbed polygon must keep at each vertex
+MAX_TRIES = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Perturbation:
+    """mass_factor; vertex_offsets: (n, 2) [m] or None; friction; actuation_delay [s]; torque_factors: (2,), left then
+    right; encoder_noise [rad], velocity_noise [rad/s]: standard deviations; noise_seed: of the readings."""
+
+    mass_factor: float = 1.0
+    vertex_offsets: Optional[np.ndarray] = None
+    friction: float = 0.0
+    actuation_delay: float = 0.0
+    torque_factors: np.ndarray = field(default_factory=lambda: np.ones(2))
+    encoder_noise: float = 0.0
+    velocity_noise: float = 0.0
+    noise_seed: int = 0
+
+    def __post_init__(self):
+        object.__setattr__(self, 'torque_factors', readonly(self.torque_factors, (2,)))
+        if self.vertex_offsets is not None:
+            object.__setattr__(self, 'vertex_offsets', readonly(self.vertex_offsets, (-1, 2)))
+
+    def applied(self, scenario: Scenario) -> Scenario:
+        """The scenario as it truly is: mass and shape changed, everything else as told."""
+        vertices = scenario.object.polygon.vertices
+        if self.vertex_offsets is not None:
+            vertices = vertices + self.vertex_offsets
+        thing = ManipulatedObject(Polygon(vertices), scenario.object.mass * self.mass_factor)
+        return replace(scenario, object=thing)
+
+    def reseeded(self, seed: int) -> 'Perturbation':
+        """The same with other encoder noise."""
+        return replace(self, noise_seed=self.noise_seed + seed)
+
+    def to_dict(self) -> dict:
+        """For reports."""
+        offsets = None if self.vertex_offsets is None else self.vertex_offsets.tolist()
+        return {'mass_factor': self.mass_factor, 'vertex_offsets': offsets, 'friction': self.friction,
+                'actuation_delay': self.actuation_delay, 'torque_factors': self.torque_factors.tolist(),
+                'encoder_noise': self.encoder_noise, 'velocity_noise': self.velocity_noise,
+                'noise_seed': self.noise_seed}
+
+
+NOMINAL = Perturbation()
+
+
+def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario) -> Perturbation:
+    """One draw at `level` (0 is nominal, 1 as in the constants above), the same for the same `rng` state."""
+    if level == 0.0:
+        return NOMINAL
+    return Perturbation(
+        mass_factor=1.0 + level * MASS_SHARE * rng.uniform(-1.0, 1.0),
+        vertex_offsets=_draw_offsets(rng, level * VERTEX_OFFSET, scenario.object.polygon.vertices),
+        friction=level * MAX_FRICTION * rng.uniform(),
+        actuation_delay=level * MAX_DELAY * rng.uniform(),
+        torque_factors=1.0 + level * TORQUE_SHARE * rng.uniform(-1.0, 1.0, size=2),
+        encoder_noise=level * ENCODER_NOISE,
+        velocity_noise=level * VELOCITY_NOISE,
+        noise_seed=int(rng.integers(2 ** 31)))
+
+
+def _draw_offsets(rng: np.random.Generator, size: float, vertices: np.ndarray) -> np.ndarray:
+    """(n, 2) [m], drawn again until the polygon stays convex."""
+    for _ in range(MAX_TRIES):
+        offsets = size * rng.uniform(-1.0, 1.0, size=vertices.shape)
+        edges = np.roll(vertices + offsets, -1, axis=0) - (vertices + offsets)
+        following = np.roll(edges, -1, axis=0)
+        cross = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+        lengths = np.linalg.norm(edges, axis=1)
+        if np.all(cross > MIN_TURN * lengths * np.roll(lengths, -1)):
+            return offsets
+    raise ScenarioError(f'object.vertices: no offsets of ±{size} m found in {MAX_TRIES} draws that keep the polygon '
+                        f'convex; allowed: a smaller perturbation level, or a polygon without such short edges')
