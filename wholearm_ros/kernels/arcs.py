@@ -5,7 +5,7 @@ from . import kernel
 from .geometry import (contact, entry_of, gap_table, hand_edge, normal_rows, object_edge, pair_body, pair_code,
                        pair_hand_feature, pair_kind, pair_object_feature, table_size, tangent_rows)
 from .linear import null_vector, solve_in_place
-from .statics import load_at, tilt_rows, torque_interval
+from .statics import equilibrium_forces, load_at, tilt_rows, torque_interval
 
 # why an arc ended
 CLOSED, EDGE_END, JOINT_LIMIT, SINGULAR, NO_EQUILIBRIUM, CAGED, BLOCKED, TOO_LONG, LANDED = 1, 2, 3, 4, 5, 6, 7, 8, 9
@@ -105,7 +105,7 @@ def trace_arc(obj, palm, fingers, corners, scale, limits, load, finger_moment, t
     """Follow the arc on which the pairs `codes` (4,) stay closed from q0 (5,) towards the side of `toward` (5,).
 
     scale: (5,) coordinates per unit of arc length; limits: (2, 2) joint limits; load, finger_moment, torque_limits: see statics;
-    friction: coefficient for the robust range; cages: (c, 2) intervals of φ in which gravity alone turns the object on to rest;
+    friction: coefficient for the robust range; cages: (c, 2) intervals of φ in which gravity alone turns the object on to rest, and equilibrium may be lost;
     driver: 0 or 1, the velocity-controlled finger, whose direction must not reverse, or −1 for either.
     Fills qs (m, 5), tangents (m, 5), statics (m, 2, 4). Returns (samples, event, pair or index).
     """
@@ -136,9 +136,9 @@ def trace_arc(obj, palm, fingers, corners, scale, limits, load, finger_moment, t
         statics_at(obj, palm, fingers, codes, q, t, load, finger_moment, torque_limits, friction, rows, statics[count])
         qs[count], tangents[count] = q, t
         count += 1
-        if touching and in_cage(cages, q[2]) and t[2] > 0.0:
-            return count, CAGED, 0
         if statics[count - 1, 0, 0] > statics[count - 1, 0, 1] and statics[count - 1, 1, 0] > statics[count - 1, 1, 1]:
+            if touching and in_cage(cages, q[2]) and t[2] > 0.0:
+                return count, CAGED, 0
             return count, NO_EQUILIBRIUM, 0
         if count == qs.shape[0]:
             return count, TOO_LONG, 0
@@ -172,8 +172,6 @@ def trace_arc(obj, palm, fingers, corners, scale, limits, load, finger_moment, t
             statics_at(obj, palm, fingers, codes, qn, tn, load, finger_moment, torque_limits, friction, rows, statics[count])
             qs[count], tangents[count] = qn, tn
             count += 1
-            if touching and in_cage(cages, qn[2]) and tn[2] > 0.0:
-                return count, CAGED, 0
             return count, event, which
         q[:], t[:] = qn, tn
         step = min(1.7 * step, LARGEST_STEP)
@@ -344,3 +342,43 @@ def _hand_edge_at(palm, body, corner, k):
     if k == 1:
         return 1
     return 0 if corner == 0 else 2
+
+
+@kernel
+def follow(obj, palm, fingers, codes, samples, driver, thetas, load, finger_moment, torque_limits, friction, out, statics, gains):
+    """Configurations on an arc at given angles of the velocity-controlled finger (forward kinematics, MAIN_TRAJECTORY step 6).
+
+    samples: (m, 5) along the arc, θ_V monotone; thetas: (k,) in the same order. Fills out (k, 5), statics (k, 2, 4) as
+    `statics_at`, gains (k, 2): the velocity finger's equilibrium torque is gains[:, 0] + gains[:, 1] τ_T.
+    Returns the number of configurations found; fewer than k when Newton fails.
+    """
+    rows, gaps, t, hold, forces = np.empty((4, 5)), np.empty(4), np.empty(5), np.zeros(5), np.empty((4, 2))
+    here = np.empty(5)
+    hold[3 + driver] = 1.0
+    column = 3 + driver
+    rising = samples[samples.shape[0] - 1, column] > samples[0, column]
+    i = 0
+    one = np.ones(5)
+    for k in range(thetas.shape[0]):
+        while i < samples.shape[0] - 2 and (samples[i + 1, column] < thetas[k]) == rising:
+            i += 1
+        span = samples[i + 1, column] - samples[i, column]
+        u = (thetas[k] - samples[i, column]) / span if abs(span) > 1e-12 else 0.0
+        for j in range(5):
+            out[k, j] = (1.0 - u) * samples[i, j] + u * samples[i + 1, j]
+        out[k, column] = thetas[k]
+        if not project(obj, palm, fingers, codes, out[k], hold, rows, gaps):
+            return k
+        normal_rows(obj, palm, fingers, codes, out[k], rows, gaps)
+        null_vector(rows, one, t)
+        if (t[column] > 0.0) != rising:
+            for j in range(5):
+                t[j] = -t[j]
+        statics_at(obj, palm, fingers, codes, out[k], t, load, finger_moment, torque_limits, friction, rows, statics[k])
+        load_at(load, finger_moment, out[k], here)
+        equilibrium_forces(rows, here, 4 - driver, forces)
+        gains[k, 0], gains[k, 1] = here[column], 0.0
+        for c in range(4):
+            gains[k, 0] -= rows[c, column] * forces[c, 0]
+            gains[k, 1] -= rows[c, column] * forces[c, 1]
+    return thetas.shape[0]

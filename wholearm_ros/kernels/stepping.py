@@ -159,7 +159,8 @@ def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, t
                    q, v, every, record_q, record_v):
     """The closed loop: PD on the velocity-controlled finger, open-loop torque on the other, for the whole trajectory.
 
-    angles, velocities, efforts: (m, 2) every `period` [s]; velocity_finger: (m,) of 0 or 1; delay_steps of actuation.
+    angles, velocities, efforts: (m, 2) every `period` [s]; velocity_finger: (m,) of 0 or 1, for the
+    period from each sample on; motor_gain: (2,); delay_steps of actuation.
     Records q and v every `every` steps into (r, 5) arrays. Returns (records, largest LCP residual).
     """
     size = table_size(obj, palm, corners)
@@ -192,7 +193,7 @@ def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, t
         if n < delay_steps:
             slot = 0
         for side in range(2):
-            applied[side] = motor_gain * pipe[slot, side]
+            applied[side] = motor_gain[side] * pipe[slot, side]
         _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, applied, h, q, v, work)
         worst = max(worst, residual)
     if count < record_q.shape[0]:

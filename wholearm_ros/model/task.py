@@ -51,3 +51,10 @@ def start_x(scenario: Scenario) -> float:
     """Centroid's x at the start [m]."""
     start = scenario.start
     return float(start.pose[0] if isinstance(start, StartAtPose) else start.x)
+
+
+def turns_clockwise(scenario: Scenario) -> bool:
+    """Whether the object shall turn clockwise: such a task is planned as its mirror image."""
+    if isinstance(scenario.goal, GoalAtPose):
+        return goal_rotation(scenario) < start_rotation(scenario) - SAME_ANGLE
+    return scenario.goal.direction != CCW

@@ -1,0 +1,50 @@
+"""Mirror images (x → −x) of configurations, contact names, plans and trajectories: clockwise tasks come out of these."""
+from dataclasses import replace
+
+import numpy as np
+
+from ..model.plan import ContactPlan
+from ..model.scenario import Scenario
+from ..model.trajectory import ManipulationTrajectory
+from .contacts import pair_from_name, pair_name
+from ..kernels import geometry
+
+
+def mirror_configurations(q: np.ndarray) -> np.ndarray:
+    """(…, 5) → (…, 5): left and right finger change places."""
+    q = np.asarray(q)
+    return np.stack([-q[..., 0], q[..., 1], -q[..., 2], np.pi - q[..., 4], np.pi - q[..., 3]], axis=-1)
+
+
+def mirror_contacts(names: tuple, scenario: Scenario) -> tuple:
+    """Names of the mirrored pairs, of a scenario with as many vertices."""
+    n, p = len(scenario.object.polygon.vertices), len(scenario.palm.vertices)
+    return tuple(pair_name(_mirror_pair(pair_from_name(name), n, p)) for name in names)
+
+
+def mirror_plan(plan: ContactPlan, scenario: Scenario) -> ContactPlan:
+    """The plan for `scenario`, of which plan.scenario is the mirror image."""
+    subgoals = tuple(replace(s, configuration=mirror_configurations(s.configuration), direction=-s.direction,
+                             contacts=mirror_contacts(s.contacts, scenario)) for s in plan.subgoals)
+    legs = tuple(replace(leg, configurations=mirror_configurations(leg.configurations),
+                         contacts=mirror_contacts(leg.contacts, scenario)) for leg in plan.legs)
+    return replace(plan, scenario=scenario, subgoals=subgoals, legs=legs)
+
+
+def mirror_trajectory(t: ManipulationTrajectory, scenario: Scenario) -> ManipulationTrajectory:
+    """The trajectory for `scenario`, made for its mirror image."""
+    segments = tuple(replace(s, velocity_finger=1 - s.velocity_finger, contacts=mirror_contacts(s.contacts, scenario))
+                     for s in t.segments)
+    return replace(t, angles=np.pi - t.angles[:, ::-1], velocities=-t.velocities[:, ::-1], efforts=-t.efforts[:, ::-1],
+                   torque_ranges=-t.torque_ranges[:, ::-1], poses=t.poses * [-1.0, 1.0, -1.0], segments=segments)
+
+
+def _mirror_pair(code, n, p):
+    kind, body = int(geometry.pair_kind(code)), int(geometry.pair_body(code))
+    hand, feature = int(geometry.pair_hand_feature(code)), int(geometry.pair_object_feature(code))
+    if body == geometry.PALM:
+        hand = p - 2 - hand if kind == geometry.VERTEX_EDGE else p - 1 - hand
+    else:
+        body = geometry.LEFT_FINGER + geometry.RIGHT_FINGER - body
+    feature = (-feature) % n if kind == geometry.VERTEX_EDGE else n - 1 - feature
+    return int(geometry.pair_code(kind, body, hand, feature))

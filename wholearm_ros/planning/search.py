@@ -1,0 +1,114 @@
+"""Phase 1 as a whole: a scenario in, contact plans out, one route after the other."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..mechanics.mirror import mirror_plan
+from ..model.hand import LEFT, RIGHT
+from ..model.plan import EXHAUSTED, FOUND, ContactPlan
+from ..model.scenario import Scenario
+from ..model.task import turns_clockwise
+from .best_search import ArcGraph, best_route
+from .random_search import main_random_search
+from .task import build_task
+
+BEST, RANDOM = 'best', 'random'
+
+
+@dataclass(frozen=True)
+class SearchOptions:
+    """search: best or random; seed: of the random one; limit: of expansions (i_max)."""
+
+    search: str = BEST
+    seed: int = 0
+    limit: int = 5000
+
+
+def make_routes(scenario: Scenario, options: SearchOptions):
+    """The routes of a scenario: call `.next_plan(failed_leg)` for one after the other.
+
+    Raises ScenarioError when the fingers cannot touch the object or the start penetrates the hand.
+    """
+    return (BestRoutes if options.search == BEST else RandomRoutes)(scenario, options)
+
+
+def plan(scenario: Scenario, options: SearchOptions = SearchOptions()) -> ContactPlan:
+    """The first route."""
+    return make_routes(scenario, options).next_plan()
+
+
+class _Routes:
+    """What both kinds share: a clockwise scenario is searched as its mirror image."""
+
+    def __init__(self, scenario, options):
+        self.scenario, self.options = scenario, options
+        self._mirrored = turns_clockwise(scenario)
+        self.task = build_task(scenario.mirrored() if self._mirrored else scenario)
+
+    def _plan(self, outcome, reason, network, counts, path=(), legs=(), cost=None) -> ContactPlan:
+        found = ContactPlan(self.task.scenario, self.options.search, self.options.seed, outcome, reason,
+                            {**counts, **network.counts()}, tuple(network.subgoals), path, legs, cost or {})
+        return mirror_plan(found, self.scenario) if self._mirrored else found
+
+
+class BestRoutes(_Routes):
+    """The best route first; each one that failed costs the graph the edge on which it failed."""
+
+    def __init__(self, scenario: Scenario, options: SearchOptions):
+        super().__init__(scenario, options)
+        self.graph = ArcGraph(self.task, options.limit)
+        self._without, self._edges = frozenset(), ()
+
+    def next_plan(self, failed_leg: int = None) -> ContactPlan:
+        """The best route that avoids the edge of every leg (by its place in the last plan) that failed before."""
+        if failed_leg is not None:
+            edge = self._edge_of_leg(failed_leg)
+            self._without |= {(edge.start, edge.choice)}
+        outcome, self._edges, margin, cost = best_route(self.graph, self._without)
+        counts = {'expansions': self.graph.traced, 'routes_ruled_out': len(self._without)}
+        network = self.graph.network
+        if outcome != FOUND:
+            return self._plan(outcome, _why(outcome, self._without), network, counts)
+        path, legs = [1], []
+        for edge in self._edges:
+            path.extend(edge.numbers)
+            legs.extend(network.legs[n] for n in edge.numbers[1:])
+            if edge.end is not None:
+                path.append(network.nodes[edge.end].number)
+        reason = f'widest torque margin {margin:.3f} N m, cost {cost:.2f}'
+        return self._plan(FOUND, reason, network, counts, tuple(path), tuple(legs), {'margin': margin, 'total': cost})
+
+    def _edge_of_leg(self, leg):
+        for edge in self._edges:
+            leg -= len(edge.numbers) - 1
+            if leg < 0:
+                return edge
+        raise IndexError('the last plan has fewer legs')
+
+
+class RandomRoutes(_Routes):
+    """The paper's search, with the right finger velocity-controlled, and with the left one when that finds none."""
+
+    def __init__(self, scenario: Scenario, options: SearchOptions):
+        super().__init__(scenario, options)
+        self._rng = np.random.default_rng(options.seed)
+
+    def next_plan(self, failed_leg: int = None) -> ContactPlan:
+        """Another random route; which leg failed makes no difference."""
+        for finger in (RIGHT, LEFT):
+            outcome, network, goal, iterations = main_random_search(self.task, self._rng, self.options.limit, finger)
+            if outcome == FOUND:
+                break
+        counts = {'iterations': iterations}
+        if outcome != FOUND:
+            return self._plan(outcome, _why(outcome, ()), network, counts)
+        path, legs = network.route_to(goal)
+        return self._plan(FOUND, f'reached after {iterations} iterations', network, counts, path, legs)
+
+
+def _why(outcome, without):
+    if outcome != EXHAUSTED:
+        return 'the limit of expansions was reached before a route was found'
+    if without:
+        return f'no route is left on the exhausted graph without {len(without)} that did not survive'
+    return 'the graph of contact states is exhausted and holds no route to the goal'

@@ -1,0 +1,78 @@
+"""A trajectory while it is being put together: samples and segments, appended stroke by stroke."""
+import numpy as np
+
+from ..mechanics.contacts import pair_name
+from ..mechanics.world import World
+from ..model.trajectory import DWELL, ManipulationTrajectory, Segment
+from .control_mode import control_mode
+from .options import ExecutionOptions
+
+SHORTEST_RAMP = 0.02  # [s]
+
+
+class TrajectoryBuilder:
+    """Starts at rest in q (5,), both fingers carrying only themselves."""
+
+    def __init__(self, world: World, q: np.ndarray, options: ExecutionOptions):
+        self.world, self.options, self.transitions = world, options, []
+        self._q = [np.asarray(q, float)[None]]
+        self._efforts = [(world.finger_moment * np.cos(q[3:]))[None]]
+        self._ranges = [np.full((1, 2), np.nan)]
+        self._segments, self._count = [], 1
+
+    def ramp_to(self, efforts: np.ndarray, velocity_finger: int, pairs: tuple):
+        """Dwell: at rest, the efforts (2,) change linearly. Both ends are equilibria of the closed contacts, and so,
+        as equilibria are convex in the forces, is everything between."""
+        before = self._efforts[-1][-1]
+        ramp = max(SHORTEST_RAMP, float(np.abs(efforts - before).max()) / self.options.slew)
+        count = int(np.ceil(ramp / self.options.period))
+        rest = int(np.ceil(self.options.settle / self.options.period))
+        u = np.concatenate([np.arange(1, count + 1) / count, np.ones(rest)])[:, None]
+        values = (1.0 - u) * before + u * efforts
+        self._append(np.repeat(self._q[-1][-1:], len(u), axis=0), values, np.full((len(u), 2), np.nan))
+        self._close(DWELL, velocity_finger, pairs, len(u))
+
+    def extend(self, mode: str, velocity_finger: int, q: np.ndarray, efforts: np.ndarray, ranges: np.ndarray,
+               pieces: list, of_piece: np.ndarray):
+        """Append a stroke whose first sample is where the trajectory stands; one segment for each piece of it."""
+        self._append(q[1:], efforts[1:], ranges[1:])
+        self._ranges[-2][-1] = ranges[0]
+        for k, piece in enumerate(pieces):
+            count = int((of_piece[1:] == k).sum())
+            if count:
+                self._close(mode, velocity_finger, piece.pairs, count)
+
+    def hold(self, seconds: float):
+        """Stay where it is; the fingers keep their torques."""
+        count = int(np.ceil(seconds / self.options.period))
+        self._append(np.repeat(self._q[-1][-1:], count, axis=0), np.repeat(self._efforts[-1][-1:], count, axis=0),
+                     np.full((count, 2), np.nan))
+        last = self._segments[-1]
+        self._segments[-1] = last.__class__(last.start, self._time(), last.mode, last.velocity_finger, last.contacts,
+                                            last.degree_of_constraint, last.conditioning)
+
+    def finish(self, plan_id: str) -> ManipulationTrajectory:
+        """The trajectory so far."""
+        q, period = np.concatenate(self._q), self.options.period
+        velocities = np.zeros((len(q), 2))
+        velocities[1:-1] = (q[2:, 3:] - q[:-2, 3:]) / (2.0 * period)
+        return ManipulationTrajectory(plan_id, period, q[:, 3:], velocities, np.concatenate(self._efforts),
+                                      np.concatenate(self._ranges), q[:, :3], tuple(self._segments),
+                                      tuple(self.transitions))
+
+    def _time(self):
+        return (self._count - 1) * self.options.period
+
+    def _append(self, q, efforts, ranges):
+        self._q.append(q)
+        self._efforts.append(efforts)
+        self._ranges.append(ranges)
+        self._count += len(q)
+
+    def _close(self, mode, velocity_finger, pairs, count):
+        start = self._segments[-1].end if self._segments else 0.0
+        end = start + count * self.options.period
+        modes = [control_mode(self.world, pairs, self._q[-1][-1], side) for side in (velocity_finger, 1 - velocity_finger)] \
+            if len(pairs) == 4 and mode != 'caging' else []
+        self._segments.append(Segment(start, end, mode, velocity_finger, tuple(map(pair_name, pairs)),
+                                      tuple(m.degree_of_constraint for m in modes), tuple(m.conditioning for m in modes)))

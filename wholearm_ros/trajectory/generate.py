@@ -1,0 +1,122 @@
+"""MAIN_TRAJECTORY: from a contact plan to the motion and torque of both fingers over time (III-B.5)."""
+import numpy as np
+
+from ..errors import DocumentError
+from ..mechanics.mirror import mirror_plan, mirror_trajectory
+from ..mechanics.world import build_world
+from ..model.hand import CLOSING
+from ..model.plan import ContactPlan
+from ..model.scenario import Scenario
+from ..model.task import turns_clockwise
+from ..model.trajectory import CAGING, QUASI_STATIC, ManipulationTrajectory
+from .builder import TrajectoryBuilder
+from .options import ExecutionOptions
+from .strokes import follow, pieces_of
+from .timing import quintic, stroke_duration
+from .torque import quasi_static_torque, slew_limited
+from .transitions import check_transition
+
+FINAL_HOLD = 0.3  # [s] at the goal, before the trajectory ends
+
+
+def generate(scenario: Scenario, plan: ContactPlan, options: ExecutionOptions = None) -> ManipulationTrajectory:
+    """The trajectory that executes `plan`. Without `options` those of the plan document are used.
+
+    Raises DocumentError when the plan has no route, or does not fit the scenario.
+    """
+    if not plan.legs:
+        raise DocumentError(f'plan {plan.id} has no route to execute ({plan.outcome}: {plan.reason})')
+    options = options or ExecutionOptions.from_dict(plan.execution)
+    if turns_clockwise(scenario):
+        mirrored = scenario.mirrored()
+        return mirror_trajectory(_generate(mirrored, mirror_plan(plan, mirrored), options, plan.id), scenario)
+    return _generate(scenario, plan, options, plan.id)
+
+
+def _generate(scenario, plan, options, plan_id):
+    world = build_world(scenario)
+    builder = TrajectoryBuilder(world, plan.legs[0].configurations[0], options)
+    pieces = [piece for leg in plan.legs for piece in pieces_of(world, leg, options)]  # step 1
+    try:
+        while pieces:
+            if pieces[0].mode == CAGING:
+                _lower(builder, pieces.pop(0))
+                continue
+            stroke, transition = _boundary(world, pieces)  # steps 2–4
+            _stroke(builder, stroke)  # steps 5–8
+            builder.transitions.extend(transition)
+            del pieces[:len(stroke)]  # step 9
+    except ValueError as error:
+        raise DocumentError(f'plan {plan_id} does not fit its scenario: {error}') from error
+    builder.hold(FINAL_HOLD)  # steps 10, 11
+    return builder.finish(plan_id)
+
+
+def _boundary(world, pieces):
+    """Set_BoundarySubgoal, Check_Transition: the pieces up to where the velocity finger reverses or the ranges part."""
+    stroke, reports = [pieces[0]], []
+    for before, after in zip(pieces[:-1], pieces[1:]):
+        report = check_transition(world, before, after)
+        if report is not None:
+            reports.append(report.to_dict())
+        turns_on = (after.velocity_finger, after.direction) == (before.velocity_finger, before.direction)
+        if after.mode == CAGING or not turns_on or not report.quasi_static:
+            return stroke, reports
+        stroke.append(after)
+    return stroke, reports
+
+
+def _stroke(builder, stroke):
+    """Make_JointTraj, FwdKinematics and GET_TORQUE for one stroke, preceded by the ramp of the torque at rest."""
+    world, options = builder.world, builder.options
+    side, start, turn = stroke[0].velocity_finger, stroke[0].samples[0, 3 + stroke[0].velocity_finger], 0.0
+    turn = sum(piece.turn for piece in stroke)
+    duration = stroke_duration(turn, max(_fastest(world, p) for p in stroke), options.speed, options.acceleration)
+    count = int(np.ceil(duration / options.period))
+    position, _ = quintic(np.linspace(0.0, 1.0, count + 1))
+    thetas = start + turn * position
+    followed, of_piece = _follow_all(world, stroke, thetas)
+    torque = quasi_static_torque(followed.statics, 1 - side, options)
+    torque = slew_limited(torque, torque[0], options.slew * options.period)
+    efforts = np.empty((count + 1, 2))
+    efforts[:, 1 - side] = torque
+    efforts[:, side] = followed.gains[:, 0] + followed.gains[:, 1] * torque
+    builder.ramp_to(efforts[0], side, stroke[0].pairs)
+    builder.extend(QUASI_STATIC, side, followed.configurations, efforts, followed.statics[:, :2], stroke, of_piece)
+
+
+def _follow_all(world, stroke, thetas):
+    """Followed configurations for all angles, each by the piece in whose reach it lies; and which piece that is."""
+    column = 3 + stroke[0].velocity_finger
+    ends = np.array([piece.samples[-1, column] for piece in stroke[:-1]])
+    of_piece = np.searchsorted(ends * stroke[0].direction, thetas * stroke[0].direction, side='left')
+    parts = [follow(world, piece, thetas[of_piece == k]) for k, piece in enumerate(stroke)]
+    joined = [np.concatenate([getattr(part, name) for part in parts]) for name in ('configurations', 'statics', 'gains')]
+    return type(parts[0])(*joined), of_piece
+
+
+def _fastest(world, piece):
+    """How many times as fast as the velocity finger the fastest coordinate of the piece moves."""
+    steps = np.abs(np.diff(piece.samples, axis=0) / world.scale)
+    driven = np.maximum(steps[:, 3 + piece.velocity_finger], 1e-9)
+    return float((steps.max(axis=1) / driven).max())
+
+
+def _lower(builder, piece):
+    """Caging: the object is laid down at a limited speed between the fingers, then held (III-B.3).
+
+    One finger is velocity-controlled and keeps closed on where the object should be, the other has a small torque.
+    """
+    world, options, samples, side = builder.world, builder.options, piece.samples, piece.velocity_finger
+    turn = samples[-1, 2] - samples[0, 2]
+    fastest = float((np.abs(np.diff(samples[:, 3 + side])) / np.maximum(np.diff(samples[:, 2]), 1e-9)).max())
+    count = int(np.ceil(stroke_duration(turn, fastest, options.speed, options.acceleration) / options.period))
+    angle = samples[0, 2] + turn * quintic(np.linspace(0.0, 1.0, count + 1))[0]
+    q = np.column_stack([np.interp(angle, samples[:, 2], samples[:, j]) for j in range(5)])
+    efforts = world.finger_moment * np.cos(q[:, 3:])
+    holding = efforts[-1].copy()
+    efforts[:, 1 - side] += CLOSING[1 - side] * options.caging_torque
+    holding[1 - side] += CLOSING[1 - side] * options.holding_torque
+    builder.ramp_to(efforts[0], side, piece.pairs)
+    builder.extend(CAGING, side, q, efforts, np.full((count + 1, 2), np.nan), [piece], np.zeros(count + 1, int))
+    builder.ramp_to(holding, side, piece.pairs)
