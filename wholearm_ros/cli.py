@@ -58,7 +58,7 @@ SeedOption = typer.Option(0, '--seed', min=0, help='Of the search and of what is
 SearchOption = typer.Option(Search.best, '--search', help='best: widest margins first; random: the paper\'s search.')
 TransitionOption = typer.Option(Transition.auto, '--transition',
                                 help='How torque ranges that do not overlap are crossed; auto: what proves more robust.')
-BudgetOption = typer.Option(10.0, '--time-budget', min=0.0, help='Seconds for a plan, its verification included.')
+BudgetOption = typer.Option(60.0, '--time-budget', min=0.0, help='Seconds for a plan, its verification included.')
 BackendOption = typer.Option(Backend.pybullet, '--backend', help='Stand-in of the hand; planar needs no PyBullet.')
 PerturbOption = typer.Option(0.0, '--perturb', min=0.0, max=10.0, metavar='LEVEL',
                              help='Draw mass, shape, friction, delay, torque and noise that the planner is not told of; '
@@ -205,9 +205,9 @@ def _scenario(path: Path):
 
 def _offer(scenario, seed, search, transition, time_budget):
     from .offer import Request, offer
-    with err.status('planning'):
-        return offer(scenario, Request(search=search.value, seed=seed, transition=transition.value,
-                                       time_budget=time_budget))
+    request = Request(search=search.value, seed=seed, transition=transition.value, time_budget=time_budget)
+    with err.status('planning') as status:
+        return offer(scenario, request, progress=lambda line: status.update(f'planning: {_escape(line)}'))
 
 
 def _plan_document(path: Path):
@@ -230,6 +230,9 @@ def _show_answer(answer):
     out.print(_escape(answer.plan.summary()), soft_wrap=True)
     if not found and answer.plan.found:
         out.print('no trajectory of it survives verification', soft_wrap=True)
+    if answer.verification is not None:
+        told = answer.verification.to_dict()
+        out.print(f'verified: {told["survived"]} of {told["copies"]} simulated copies reach the goal')
     out.print(', '.join(f'{name.removesuffix("_ms")} {value:.0f} ms' for name, value in answer.timings.items()))
 
 

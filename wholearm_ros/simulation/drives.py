@@ -14,8 +14,8 @@ HOLD_KP, HOLD_KD = 60.0, 1.5  # [N m/rad, N m s/rad] of the drives' own position
 class Drives:
     """Two motor drives. Commands act `actuation_delay` later, rounded to whole physics steps.
 
-    Before the first command, and whenever the command is None, the drives hold the angles they were reset to,
-    with the fingers' own weight compensated.
+    Before the first command, and whenever the command is None, the drives hold the fingers where they then are,
+    their own weight compensated.
     """
 
     def __init__(self, scenario: Scenario, perturbation: Perturbation, dt: float):
@@ -40,7 +40,10 @@ class Drives:
                 raise HardwareError(f'efforts: got {command.tolist()}; allowed: two finite numbers')
         self._waiting.append(command)
         acting = self._waiting.popleft()
-        if acting is None:
+        if acting is not None:
+            self._held = None
+        else:
+            self._held = angles.copy() if self._held is None else self._held
             acting = (self._weights * np.cos(angles) + HOLD_KP * (self._held - angles) - HOLD_KD * velocities)
         self.asked = np.clip(acting if command is None else command, -self._limits, self._limits)
         return np.clip(acting, -self._limits, self._limits) * self._factors

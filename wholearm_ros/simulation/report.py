@@ -59,12 +59,15 @@ def suite_document(file: str, options: SuiteOptions, results: list, summary: dic
 
 
 def show_suite(console: Console, results: list, summary: dict) -> None:
-    """A row a task, then the counts."""
-    table = Table('task', 'planned', 'executed', 'plan ms', 'generate ms', 'verify ms', 'why not', box=None)
+    """A row a task, why those that were not executed were not, and the counts."""
+    table = Table('task', 'planned', 'executed', 'plan ms', 'generate ms', 'verify ms', box=None)
     for r in results:
         times = ['' if r[name] is None else f'{r[name]:.1f}' for name in TIMES]
-        table.add_row(r['name'], _yes(r['planned']), _runs(r), *times, _why(r).replace('[', r'\['))
+        table.add_row(r['name'], _yes(r['planned']), _runs(r), *times)
     console.print(table)
+    for r in results:
+        if not r['executed']:
+            console.print(f'{r["name"]}: {_why(r)}', soft_wrap=True, markup=False)
     sound = 'nothing planned' if summary['sound'] is None else f'{summary["sound"]:.3f}'
     console.print(f'{summary["tasks"]} tasks: {summary["planned"]} planned, {summary["executed"]} executed '
                   f'({summary["executed_runs"]} of {summary["runs"]} runs, sound {sound}), {summary["errors"]} errors')
