@@ -1,0 +1,43 @@
+"""Build description, for pip and for colcon (ament_python) alike."""
+import os
+from glob import glob
+
+from setuptools import find_packages, setup
+
+NAME = 'wholearm_ros'
+NODES = ['contact_state_planner', 'trajectory_generator', 'mode_switcher', 'velocity_controller', 'torque_controller',
+         'hand_hardware', 'bag_recorder', 'bag_player']
+
+# numpy, scipy: Ubuntu 24.04's own are allowed, because the messages of a sourced ROS 2 are compiled against them.
+CORE = ['numpy>=1.26,<3', 'scipy>=1.11,<2', 'osqp~=1.0', 'rosbags~=0.10', 'numba~=0.61', 'pydantic~=2.5', 'pyyaml~=6.0',
+        'quantecon~=0.8', 'matplotlib~=3.8', 'typer~=0.12', 'rich>=13,<16']
+PYBULLET = 'pybullet~=3.2'  # a wheel up to Python 3.11; from 3.12 on pip compiles it, so there it is an extra
+ROS_WHEELS = ['ros-jazzy-rclpy~=7.1', 'ros-jazzy-common-interfaces~=5.3', 'ros-jazzy-rmw-fastrtps-cpp~=8.4']
+TEST = ['pytest>=8,<10', 'pytest-timeout~=2.3', 'pytest-benchmark>=4,<6', 'hypothesis~=6.100', 'import-linter~=2.1']
+# Where a ROS 2 is sourced, its own packages are used and the wheels of ROS stay out.
+ros = [] if os.environ.get('ROS_DISTRO') else ROS_WHEELS
+
+setup(
+    name=NAME,
+    version='0.1.0',
+    description='Whole-arm manipulation of a slippery polygon, planned and executed on ROS 2',
+    maintainer='The wholearm_ros developers',
+    maintainer_email='wholearm-ros@users.noreply.example.org',
+    license='Apache-2.0',
+    python_requires='>=3.10,<3.14',
+    packages=find_packages(exclude=['test', 'test.*']),
+    install_requires=[*CORE, f'{PYBULLET}; python_version < "3.12"', *ros],
+    extras_require={'pybullet': [PYBULLET], 'ros-wheels': ROS_WHEELS, 'test': TEST,
+                    'colcon': ['colcon-common-extensions~=0.3']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (f'share/{NAME}', ['package.xml']),
+        (f'share/{NAME}/config', sorted(glob('config/*'))),
+        (f'share/{NAME}/launch', sorted(glob('launch/*.launch.py'))),
+        # `ros2 run` looks in lib/<package>; pip puts console scripts into bin/ whatever setup.cfg says.
+        (f'lib/{NAME}', sorted(glob('resource/executables/*'))),
+    ],
+    zip_safe=False,
+    entry_points={'console_scripts': [f'{node} = {NAME}.nodes.{node}:main' for node in NODES]
+                  + [f'wholearm = {NAME}.cli:main']},
+)

@@ -1,0 +1,1 @@
+"""One file an executable; each is parameters, core object, channels, timers."""

@@ -1,0 +1,136 @@
+"""Plans routes of contact states: the scenario as configured, or between two poses of its object."""
+import sys
+import threading
+from dataclasses import replace
+
+import numpy as np
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from ..errors import WholeArmError
+from ..mechanics.contacts import close_finger
+from ..mechanics.world import build_world
+from ..model.hand import LEFT, RIGHT
+from ..model.scenario import GoalAtPose, StartAtPose
+from ..model.scenario_file import parse_scenario, scenario_to_dict
+from ..offer import Request, offer
+from ..ros import channels
+from ..ros.declared import SCENARIO, scenario_of
+from ..ros.messages import MessageError, pose_message, status_message, to_planar
+from ..ros.node import OK, WARN, WholeArmNode, run_node
+from ..ros.parameters import Declared
+
+DECLARED = (
+    replace(SCENARIO, read_only=False),
+    Declared('seed', 0, 'of everything drawn at random; the same seed gives the same plan', 0, 2 ** 31 - 1, read_only=False),
+    Declared('search', 'best', "best: widest margins first; random: the paper's", choices=('best', 'random'),
+             read_only=False),
+    Declared('transition', 'auto', 'how torque ranges that do not overlap are crossed',
+             choices=('auto', 'dwell', 'dynamic'), read_only=False),
+    Declared('time_budget', 60.0, 'after which no further candidate is begun [s]', 0.0, 3600.0, read_only=False),
+)
+TOLERANCE = np.array([0.01, 0.005, 0.03])  # [m, m, rad] of the goal pose of a `plan` request without one
+BUSY = 'busy with another plan; allowed: one at a time'
+
+
+class ContactStatePlanner(WholeArmNode):
+    """plan, plan_scenario → contact_plan, status. Plans in a thread of its own, so that the node always answers."""
+
+    def __init__(self):
+        super().__init__('contact_state_planner', DECLARED)
+        scenario_of(self.parameters)  # refused now rather than at the first request
+        self.busy, self.planned = False, 0
+        self.contact_plan = self.publisher(channels.CONTACT_PLAN)
+        self.status = self.publisher(channels.PLANNER_STATUS)
+        self.service(channels.PLAN, self.on_plan)
+        self.service(channels.PLAN_SCENARIO, self.on_plan_scenario)
+        self.tell(OK, 'ready')
+
+    async def on_plan_scenario(self, _, response):
+        response.success, response.message, _ = await self.answer(lambda: scenario_of(self.parameters))
+        return response
+
+    async def on_plan(self, request, response):
+        _, _, plan = await self.answer(lambda: self.between(request))
+        stamp = self.get_clock().now().to_msg()
+        response.plan.header.frame_id, response.plan.header.stamp = channels.PALM_FRAME, stamp
+        if plan is not None:
+            response.plan.poses = [pose_message(stamp, pose) for pose in plan.object_path()]
+        return response
+
+    def between(self, request):
+        """The configured scenario with the request's start and goal pose; raises ScenarioError or MessageError."""
+        scenario = scenario_of(self.parameters)
+        start, goal = to_planar(request.start, 'start'), to_planar(request.goal, 'goal')
+        if not np.isfinite(request.tolerance) or request.tolerance < 0:
+            raise MessageError(f'tolerance: got {request.tolerance}; allowed: 0 or more')
+        goal[2] += 2 * np.pi * round((start[2] - goal[2]) / (2 * np.pi))  # the shorter way round
+        tolerance = TOLERANCE.copy()
+        tolerance[:2] = request.tolerance or tolerance[:2]
+        world = build_world(scenario)
+        fingers = [close_finger(world, start, side) for side in (LEFT, RIGHT)]
+        asked = replace(scenario, start=StartAtPose(start, fingers), goal=GoalAtPose(goal, tolerance))
+        return parse_scenario(scenario_to_dict(asked), 'plan request')
+
+    async def answer(self, make_scenario):
+        """(found, one line, plan or None); the plan is published when there is one."""
+        if self.busy:
+            return False, BUSY, None
+        self.busy, done = True, Future(executor=self.executor)
+        try:
+            scenario = make_scenario()
+            self.tell(OK, f'planning {scenario.name}')
+            threading.Thread(target=_plan, args=(scenario, self.request(), done), daemon=True).start()
+            result = await done
+            if isinstance(result, WholeArmError):
+                raise result
+        except WholeArmError as error:
+            self.tell(WARN, str(error))
+            return False, str(error), None
+        finally:
+            self.busy = False
+        return self.publish(result)
+
+    def publish(self, result):
+        plan, found = result.plan, result.trajectory is not None
+        self.planned += found
+        if found:
+            self.contact_plan.publish(String(data=plan.to_json()))
+        self.tell(OK if found else WARN, plan.summary(),
+                  {'plan id': plan.id, 'outcome': plan.outcome, 'seed': plan.seed, **result.timings, **plan.counts})
+        return found, plan.summary(), plan if found else None
+
+    def request(self) -> Request:
+        p = self.parameters
+        return Request(search=p.search, seed=p.seed, transition=p.transition, time_budget=p.time_budget)
+
+    def tell(self, level, message, values=None):
+        self.status.publish(status_message(self.get_fully_qualified_name(), level, message, values))
+        (self.get_logger().info if level == OK else self.get_logger().warning)(message)
+
+    def health(self):
+        return OK, 'planning' if self.busy else 'ready', {'plans': self.planned}
+
+
+def _plan(scenario, request, done):
+    try:
+        result = offer(scenario, request)
+    except WholeArmError as error:
+        result = error
+    done.set_result(result)
+
+
+def make_node():
+    node = ContactStatePlanner()
+    offer(scenario_of(node.parameters), Request(candidates=1, copies=0))  # no request pays for compiling
+    return node
+
+
+def main():
+    # EventsExecutor takes no coroutine as a service callback; this node has no fast topic.
+    sys.exit(run_node(make_node, make_executor=SingleThreadedExecutor))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,154 @@
+"""The hand's stand-in as a node: joint states out, joint commands in, in real time or in lockstep. Replace it by yours."""
+import sys
+import threading
+import time
+
+import numpy as np
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+from ..mechanics.contacts import start_configuration
+from ..model.hand import JOINT_NAMES
+from ..ros import channels
+from ..ros.declared import PACING, SCENARIO, scenario_of
+from ..ros.drive_guard import BRAKE, LIMP, DriveGuard
+from ..ros.messages import NANOSECONDS, fill_joints, fill_pose, joint_message, pose_message, set_stamp, to_command
+from ..ros.node import ERROR, OK, WARN, WholeArmNode, run_node
+from ..ros.parameters import Declared
+from ..ros.robot_description import urdf
+from ..simulation.backend import BACKENDS, make_hand
+
+DECLARED = (
+    SCENARIO, PACING,
+    Declared('backend', 'pybullet', 'the physics; planar needs no PyBullet', choices=BACKENDS),
+    Declared('view', False, "PyBullet's window, where there is a screen"),
+    Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
+    Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),
+    Declared('command_timeout', 0.02, 'age of a command beyond which the drives hold the fingers; realtime [s]', 0.002, 1.0),
+    Declared('hold_time', 0.5, 'how long they hold before they let go; realtime [s]', 0.0, 60.0),
+    Declared('lockstep_timeout', 10.0, 'wait for the commands of a step after which the wait is reported [s]', 0.1, 600.0),
+)
+FIRST_STAMP = NANOSECONDS  # of simulated time: zero means "no time yet" in ROS
+REPEAT_PERIOD = 0.05       # [s] between two sendings of one state while lockstep waits
+
+
+class HandHardware(WholeArmNode):
+    """joint_commands → physics → joint_states; object_pose is the truth, for evaluation only."""
+
+    def __init__(self):
+        super().__init__('hand_hardware', DECLARED)
+        p, self.scenario = self.parameters, scenario_of(self.parameters)
+        self.lockstep = p.pacing == 'lockstep'
+        self.period = round(NANOSECONDS / p.motor_rate)  # [ns]
+
+        self.hand = make_hand(p.backend, self.scenario, rate=p.motor_rate, view=p.view)
+        self.start = start_configuration(self.scenario)
+        self.hand.step(np.zeros(2))  # whatever must be compiled is compiled now
+        self.hand.reset(self.start)
+        hand = self.scenario.hand
+        self.guard = DriveGuard([hand.left.torque_limit, hand.right.torque_limit],
+                                round(p.command_timeout * NANOSECONDS), round(p.hold_time * NANOSECONDS))
+        self.steps = self.overruns = self.worst_late = 0
+        self.pose_every = max(1, round(p.motor_rate / p.object_pose_rate))
+        self.now = FIRST_STAMP if self.lockstep else self.get_clock().now().nanoseconds
+        self.guard.reset(self.now)
+        self.answered = time.monotonic()
+        self.lock, self.leaving = threading.Lock(), False
+
+        self.joint_states = self.publisher(channels.JOINT_STATES)
+        self.object_pose = self.publisher(channels.OBJECT_POSE)
+        self.description = self.publisher(channels.ROBOT_DESCRIPTION)
+        self.description.publish(String(data=urdf(self.scenario)))
+        self.clock = self.publisher(channels.CLOCK) if self.lockstep else None
+        self.subscription(channels.JOINT_COMMANDS, self.on_command)
+        self.service(channels.RESET, self.on_reset)
+        self.states_message, self.clock_message = joint_message(JOINT_NAMES), Clock()
+        self.pose_message = pose_message(self.clock_message.clock, self.hand.object_pose())
+
+        if self.lockstep:
+            self.every(REPEAT_PERIOD, self.repeat)
+        else:
+            self.loop = threading.Thread(target=self.run_on_the_wall_clock, daemon=True)
+            self.loop.start()
+
+    def on_command(self, message):
+        stamp, joint, effort = to_command(message)
+        with self.lock:
+            taken = self.guard.command(joint, stamp, effort, self.now)
+            if taken and self.lockstep and self.guard.both_at(self.now):
+                self.answered = time.monotonic()
+                self.advance(self.now + self.period, self.guard.decide(self.now))
+
+    def advance(self, now: int, efforts):
+        """One period of physics, which ends at `now` [ns]."""
+        self.hand.step(efforts)
+        self.steps += 1
+        self.now = now
+        self.publish_state(self.steps % self.pose_every == 0)
+
+    def publish_state(self, with_pose: bool):
+        if self.lockstep:
+            set_stamp(self.clock_message.clock, self.now)
+            self.clock.publish(self.clock_message)
+        angles, velocities = self.hand.joints()
+        fill_joints(self.states_message, self.now, angles, velocities, self.hand.efforts())
+        self.joint_states.publish(self.states_message)
+        if with_pose:
+            set_stamp(self.pose_message.header.stamp, self.now)
+            fill_pose(self.pose_message.pose, self.hand.object_pose())
+            self.object_pose.publish(self.pose_message)
+
+    def repeat(self):
+        """Lockstep: time stands still until both commands of this stamp are here; the state is sent again meanwhile."""
+        with self.lock:
+            if time.monotonic() - self.answered > REPEAT_PERIOD / 2:
+                self.publish_state(True)
+
+    def run_on_the_wall_clock(self):
+        due = time.monotonic_ns()
+        while not self.leaving:
+            due += self.period
+            late = time.monotonic_ns() - due
+            if late < 0:
+                time.sleep(-late / NANOSECONDS)
+            else:
+                self.overruns += 1
+                self.worst_late = max(self.worst_late, late)
+                due += max(0, late - 20 * self.period)  # far behind: the lost periods are not made up for
+            with self.lock:
+                self.advance(max(self.get_clock().now().nanoseconds, self.now + 1), self.guard.decide(self.now))
+
+    def on_reset(self, _, response):
+        with self.lock:
+            self.hand.reset(self.start)
+            self.now += self.period if self.lockstep else 1
+            self.guard.reset(self.now)
+            self.answered = time.monotonic()
+            self.publish_state(True)
+        response.success, response.message = True, 'object and fingers are back at the start, the drives hold'
+        return response
+
+    def health(self):
+        guard, waiting = self.guard, time.monotonic() - self.answered
+        values = {'state': guard.state, 'pacing': self.parameters.pacing, 'steps': self.steps, 'overruns': self.overruns,
+                  'worst lateness ms': self.worst_late / 1e6, 'late commands': guard.late,
+                  'commands at the limit': guard.saturated, 'watchdog trips': guard.trips}
+        if guard.state == LIMP:
+            return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
+        if self.lockstep and guard.state != BRAKE and waiting > self.parameters.lockstep_timeout:
+            return WARN, f'waiting {waiting:.0f} s for the commands of one step', values
+        return OK, guard.state, values
+
+    def leave(self):
+        self.leaving = True
+        with self.lock:
+            self.hand.step(np.zeros(2))
+            self.hand.disconnect()
+
+
+def main():
+    sys.exit(run_node(HandHardware))
+
+
+if __name__ == '__main__':
+    main()

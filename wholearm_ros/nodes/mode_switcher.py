@@ -1,0 +1,172 @@
+"""Leads both fingers along the trajectory of the goal that executes: a setpoint for each controller, for every joint state."""
+import sys
+import time
+
+from action_msgs.msg import GoalStatus
+from std_msgs.msg import String
+
+from ..control.mode_switch import DONE, IDLE, STOPPED
+from ..model.trajectory import ManipulationTrajectory
+from ..ros import channels
+from ..ros.declared import HANDOVER, MAX_TRACKING_ERROR, PACING, RAMP, switch_options_of
+from ..ros.execution import Execution, jumped
+from ..ros.messages import (fill_effort, fill_velocity_setpoint, goal_id_of, goal_name, joint_message, to_joints,
+                            to_nanoseconds)
+from ..ros.node import ERROR, OK, WholeArmNode, run_node
+from ..ros.parameters import Declared
+
+DECLARED = (
+    PACING, RAMP, HANDOVER, MAX_TRACKING_ERROR,
+    Declared('settle', 0.5, 'how long the end is held before the mode says done [s]', 0.0, 60.0),
+    Declared('start_tolerance', 0.05, 'of both angles from the start of a trajectory [rad]', 1e-4, 1.0),
+    Declared('joint_states_timeout', 0.1, 'without joint states beyond which a run stops; in lockstep at least 10 [s]',
+             0.002, 600.0),
+)
+WATCH_PERIOD = 0.01  # [s]
+NO_NAMES = ('',)
+
+
+class ModeSwitcher(WholeArmNode):
+    """trajectory + status of its goal + joint states → velocity_setpoint, torque_setpoint, mode."""
+
+    def __init__(self):
+        super().__init__('mode_switcher', DECLARED)
+        self.lockstep = self.parameters.pacing == 'lockstep'
+        self.timeout = self.parameters.joint_states_timeout
+        if self.lockstep:
+            self.timeout = max(self.timeout, 10.0)
+
+        self.execution = self.wanted = self.last_goal = None
+        self.text = self.trajectory = self.joints = None
+        self.stamp, self.answered, self.heard = -1, False, time.monotonic()
+        self.mode, self.reason = '', ''
+
+        self.mode_topic = self.publisher(channels.MODE)
+        self.velocity_setpoint = self.publisher(channels.VELOCITY_SETPOINT)
+        self.torque_setpoint = self.publisher(channels.TORQUE_SETPOINT)
+        self.velocity_message, self.torque_message = joint_message(NO_NAMES), joint_message(NO_NAMES)
+        self.subscription(channels.MANIPULATION_TRAJECTORY, self.on_trajectory)
+        self.subscription(channels.GOAL_STATUS, self.on_status)
+        self.subscription(channels.JOINT_STATES, self.on_joints)
+        self.service(channels.STOP, self.on_stop)
+        self.every(WATCH_PERIOD, self.watch)
+        self.tell(IDLE, '')
+
+    def on_trajectory(self, message):
+        self.text, self.trajectory = message.data, None
+        if not self.running():
+            self.read_trajectory()  # never while running: a long document would hold up the loop
+
+    def read_trajectory(self):
+        if self.trajectory is None and self.text is not None:
+            text, self.text = self.text, None
+            self.trajectory = ManipulationTrajectory.from_json(text)
+
+    def on_status(self, message):
+        for status in message.status_list:
+            goal = (goal_name(goal_id_of(status.goal_info)), to_nanoseconds(status.goal_info.stamp))
+            if status.status == GoalStatus.STATUS_EXECUTING and goal != self.last_goal and not self.running():
+                self.wanted = goal
+            if status.status == GoalStatus.STATUS_CANCELING and goal in (self.last_goal, self.wanted):
+                self.stop('canceled')
+
+    def begin(self):
+        """The wanted goal, as soon as its trajectory is here."""
+        self.read_trajectory()
+        if self.trajectory is None or self.trajectory.plan_id != self.wanted[0]:
+            return
+        self.last_goal, self.wanted = self.wanted, None
+        self.execution = Execution(self.trajectory, switch_options_of(self.parameters), self.parameters.settle)
+        off = float(abs(self.joints.angles - self.trajectory.angles[0]).max())
+        if not off <= self.parameters.start_tolerance:
+            self.give_up(f'fingers are {off:.3f} rad from the start of the trajectory; '
+                         f'allowed: {self.parameters.start_tolerance}')
+        elif not (self.velocity_setpoint.get_subscription_count() and self.torque_setpoint.get_subscription_count()):
+            self.give_up('no controller listens to the setpoints')
+
+    def on_joints(self, message):
+        stamp, joints = to_joints(message)
+        self.heard = time.monotonic()
+        if stamp == self.stamp:
+            self.repeat()
+            return
+        before, backwards = self.joints, stamp < self.stamp
+        self.joints, self.stamp, self.answered = joints, stamp, False
+        if self.execution and (backwards or jumped(before, joints)):
+            self.give_up('time went backwards' if backwards else 'the hand was reset', after=IDLE)
+        self.act()
+
+    def act(self):
+        if self.wanted:
+            self.begin()
+        if not self.execution or (self.lockstep and self.execution.over):
+            return  # in lockstep time stands still while nothing runs
+        motion, torque = self.execution.step(self.stamp, self.joints)
+        fill_velocity_setpoint(self.velocity_message, self.stamp, motion)
+        fill_effort(self.torque_message, self.stamp, torque.joint, torque.effort)
+        self.publish_setpoints()
+        if self.execution.mode != self.mode:
+            self.tell(self.execution.mode, self.execution.reason)
+
+    def publish_setpoints(self):
+        self.velocity_setpoint.publish(self.velocity_message)
+        self.torque_setpoint.publish(self.torque_message)
+        self.answered = True
+
+    def repeat(self):
+        """The hardware still waits: an answer was lost, or there was nothing to answer yet."""
+        if self.answered:
+            self.publish_setpoints()
+        else:
+            self.act()
+
+    def running(self) -> bool:
+        return self.execution is not None and self.execution.mode not in (DONE, STOPPED)
+
+    def stop(self, reason: str):
+        self.wanted = None
+        if self.execution and self.execution.mode != STOPPED:
+            self.execution.stop(self.joints, reason)
+            self.tell(STOPPED, reason)
+
+    def give_up(self, reason: str, after: str = STOPPED):
+        """Without further setpoints: the drives hold the fingers."""
+        was_running, self.execution = self.running(), None
+        if was_running or after == STOPPED:
+            self.tell(STOPPED, reason)
+        if after == IDLE:
+            self.tell(IDLE, reason)
+
+    def on_stop(self, _, response):
+        running = self.execution is not None
+        self.stop('mode_switcher/stop was called')
+        response.success = True
+        response.message = 'stopped: the fingers hold' if running else 'nothing was running; the drives hold'
+        return response
+
+    def watch(self):
+        silence = time.monotonic() - self.heard
+        if self.running() and silence > self.timeout:
+            self.give_up(f'no joint_states for {silence:.3f} s; allowed: {self.timeout} s')
+
+    def tell(self, mode: str, reason: str):
+        self.mode, self.reason = mode, reason
+        self.report()  # the reason first
+        self.mode_topic.publish(String(data=mode))
+        self.get_logger().info(f'{mode}: {reason}' if reason else mode)
+
+    def health(self):
+        run = self.execution
+        values = {'mode': self.mode, 'reason': self.reason, 'goal': self.last_goal[0] if self.last_goal else '',
+                  'goal stamp': self.last_goal[1] if self.last_goal else 0, 'stamp': self.stamp,
+                  'progress': run.progress if run else 0.0, 'time left s': run.time_left if run else 0.0,
+                  'silence ms': 1e3 * (time.monotonic() - self.heard)}
+        return ERROR if self.mode == STOPPED else OK, self.reason or self.mode, values
+
+
+def main():
+    sys.exit(run_node(ModeSwitcher))
+
+
+if __name__ == '__main__':
+    main()

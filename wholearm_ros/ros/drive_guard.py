@@ -1,0 +1,62 @@
+"""What the drives do with the commands they get, and without: brake, driven, hold, limp."""
+from typing import Optional
+
+import numpy as np
+
+BRAKE, DRIVEN, HOLD, LIMP = 'brake', 'driven', 'hold', 'limp'
+
+
+class DriveGuard:
+    """Watches over both joints' commands. Times are stamps [ns] of the hardware's own clock.
+
+    brake: no command yet, the drives hold the fingers; driven: both commands fresh; hold: a command is older than
+    `timeout`, the drives hold the fingers where they are and take fresh commands again; limp: hold lasted `hold_time`,
+    zero torque until the reset.
+    """
+
+    def __init__(self, limits, timeout: int, hold_time: int):
+        self._limits = limits  # (2,) [N m]
+        self._timeout, self._hold_time = timeout, hold_time
+        self.late = self.saturated = self.trips = 0  # commands dropped, commands cut to the limit, times on hold
+        self.reset(0)
+
+    def reset(self, now: int):
+        """Brakes; commands stamped before `now` are those of another run."""
+        self.state = BRAKE
+        self._since = now
+        self._newest = [now - 1, now - 1]
+        self.efforts = np.zeros(2)  # [N m]
+
+    def command(self, joint: int, stamp: int, effort: float, now: int) -> bool:
+        """Whether the command was taken: newer than the one before it and not from the future."""
+        if not self._newest[joint] < stamp <= now or self.state == LIMP:
+            self.late += 1
+            return False
+        limit = self._limits[joint]
+        self.saturated += abs(effort) > limit
+        self._newest[joint] = stamp
+        self.efforts[joint] = min(max(effort, -limit), limit)
+        return True
+
+    def both_at(self, stamp: int) -> bool:
+        return self._newest[0] == self._newest[1] == stamp
+
+    def age(self, now: int) -> int:
+        """Of the older one of both commands [ns]."""
+        return now - min(self._newest)
+
+    def decide(self, now: int) -> Optional[np.ndarray]:
+        """(2,) [N m] for the period that begins now; None where the drives shall hold the fingers."""
+        fresh = self.age(now) <= self._timeout and min(self._newest) >= self._since
+        if self.state == LIMP:
+            return np.zeros(2)
+        if fresh:
+            self.state = DRIVEN
+            return self.efforts
+        if self.state == DRIVEN:
+            self.state, self._tripped_at = HOLD, now
+            self.trips += 1
+        if self.state == HOLD and now - self._tripped_at > self._hold_time:
+            self.state = LIMP
+            return np.zeros(2)
+        return None
