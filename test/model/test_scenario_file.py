@@ -235,3 +235,33 @@ def test_numbers_with_exponents_are_numbers(tmp_path):
     text = yaml.safe_dump(changed('object.mass', 123.0)).replace('123.0', '353e-3')
     assert load_scenario(write(tmp_path, text)).object.mass == 0.353
     assert load_scenario(write(tmp_path, json.dumps(changed('object.mass', 1e-5)), 's.json')).object.mass == 1e-5
+
+
+# ---------------------------------------------------------------------- anything at all
+JSON = st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+                    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+                    max_leaves=6)
+PATHS = sorted({row[0] for row in BAD} | {'palm', 'hand', 'object', 'goal', 'gravity.acceleration', 'hand.left.mass'})
+
+
+@given(path=st.sampled_from(PATHS), value=JSON | st.just(10 ** 400) | st.just(-10 ** 400))
+@settings(max_examples=200, deadline=None)
+def test_whatever_stands_at_a_key_is_either_read_or_refused(path, value):
+    try:
+        parse_scenario(changed(path, value))
+    except ScenarioError as error:
+        assert str(error).startswith('scenario: ')
+
+
+@given(JSON)
+@settings(max_examples=100, deadline=None)
+def test_no_document_breaks_the_reader(value):
+    with pytest.raises(ScenarioError):
+        parse_scenario(value)
+
+
+@given(st.text(max_size=60))
+@settings(max_examples=100, deadline=None)
+def test_no_text_breaks_the_reader(text):
+    with pytest.raises(ScenarioError):
+        parse_scenario(parse_mapping(text, 'text'), 'text')
