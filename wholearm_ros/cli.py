@@ -48,8 +48,8 @@ class _Commands(TyperGroup):
             ctx.exit(FAILED if isinstance(error, SolverError) else BAD_INPUT)
 
 
-app = typer.Typer(cls=_Commands, no_args_is_help=True, add_completion=False, rich_markup_mode='rich',
-                  context_settings={'help_option_names': ['-h', '--help']})
+HELP = {'help_option_names': ['-h', '--help']}
+app = typer.Typer(cls=_Commands, no_args_is_help=True, add_completion=False, rich_markup_mode='rich', context_settings=HELP)
 
 EXIT_CODES = 'Exit codes: 0 success, 1 honest failure (no plan; object not at its goal), 2 bad input.'
 
@@ -193,7 +193,7 @@ def _run_command() -> click.Command:
             err.print(f'[bold red]error:[/] run: {_escape(missing)}; allowed: a sourced ROS 2 Jazzy, or its wheels '
                       'installed. `wholearm simulate` does without ROS.', soft_wrap=True)
             raise typer.Exit(BAD_INPUT)
-    single = typer.Typer(add_completion=False, rich_markup_mode='rich', context_settings={'help_option_names': ['-h', '--help']})
+    single = typer.Typer(add_completion=False, rich_markup_mode='rich', context_settings=HELP)
     single.command('run', epilog=EXIT_CODES)(run)
     return typer.main.get_command(single)
 

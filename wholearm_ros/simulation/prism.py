@@ -16,7 +16,8 @@ def inset(polygon: np.ndarray, distance: float) -> np.ndarray:
     normals = np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
     levels = (normals * polygon).sum(axis=1) + distance
     before = np.roll(normals, 1, axis=0)
-    corners = np.linalg.solve(np.stack([before, normals], axis=1), np.stack([np.roll(levels, 1), levels], axis=1)[..., None])[..., 0]
+    right_sides = np.stack([np.roll(levels, 1), levels], axis=1)  # (n, 2)
+    corners = np.linalg.solve(np.stack([before, normals], axis=1), right_sides[..., None])[..., 0]
     if np.any(((np.roll(corners, -1, axis=0) - corners) * edges).sum(axis=1) <= 0.0):
         raise ValueError(f'polygon has an edge too short to be inset by {distance} m')
     return corners
