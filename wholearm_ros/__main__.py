@@ -1,0 +1,4 @@
+"""`python -m wholearm_ros` is the command line."""
+from .cli import main
+
+main()

@@ -1,0 +1,146 @@
+"""`wholearm run`: plan and execute on the ROS 2 graph, each node a process of its own."""
+import os
+import signal
+from enum import Enum
+from pathlib import Path
+from typing import Optional
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from ..errors import WholeArmError
+from ..model.scenario_file import load_scenario
+from .launcher import RunOptions, RunReport, run_graph
+from .share import scenario_path
+
+OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+out = Console(highlight=False)
+
+
+class Pacing(str, Enum):
+    realtime = 'realtime'
+    lockstep = 'lockstep'
+
+
+class Backend(str, Enum):
+    pybullet = 'pybullet'
+    planar = 'planar'
+
+
+class Search(str, Enum):
+    best = 'best'
+    random = 'random'
+
+
+class Transition(str, Enum):
+    auto = 'auto'
+    dwell = 'dwell'
+    dynamic = 'dynamic'
+
+
+class Storage(str, Enum):
+    mcap = 'mcap'
+    sqlite3 = 'sqlite3'
+
+
+def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario file, YAML or JSON, or the name of a '
+                                       'shipped one.', show_default='asymmetric_hexagon'),
+        pacing: Pacing = typer.Option(Pacing.realtime, '--pacing', help='realtime: wall clock; lockstep: simulated time '
+                                      'waits for every command, the same result on any machine.'),
+        seed: int = typer.Option(0, '--seed', min=0, help='Of everything drawn at random in planning.'),
+        record: Optional[Path] = typer.Option(None, '--record', metavar='DIR', help='Record a bag; DIR is made.'),
+        storage: Storage = typer.Option(Storage.mcap, '--storage', help='Format of the bag.'),
+        view: bool = typer.Option(False, '--view', help="PyBullet's window, where there is a screen."),
+        rate: float = typer.Option(1000.0, '--rate', min=50.0, max=2000.0, help='Motor rate [Hz].'),
+        backend: Backend = typer.Option(Backend.pybullet, '--backend', help='Physics; planar needs no PyBullet.'),
+        search: Search = typer.Option(Search.best, '--search', help="best: widest margins first; random: the paper's."),
+        transition: Transition = typer.Option(Transition.auto, '--transition',
+                                              help='How torque ranges that do not overlap are crossed.')):
+    """Plan and execute on the ROS 2 graph: every node a process, the hand's stand-in as hardware.
+
+    Example: wholearm run regular_hexagon --pacing lockstep --record runs/first
+    """
+    path = scenario_path(scenario).absolute()
+    if record is not None and record.exists():
+        raise WholeArmError(f'--record {record}: exists already; allowed: a directory that does not exist yet')
+    _check_screen(view)
+    options = RunOptions(str(path), pacing.value, seed, record and record.absolute(), storage.value, view, rate,
+                         backend.value, search.value, transition.value)
+    task = load_scenario(path)
+    _interrupt_on_sigterm()
+    try:
+        with _Teller() as tell:
+            report = run_graph(task, options, tell)
+    except KeyboardInterrupt:
+        out.print('interrupted: every node has been stopped')
+        raise typer.Exit(INTERRUPTED) from None
+    except WholeArmError as error:
+        out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
+        raise typer.Exit(FAILED) from None
+    show(report, options)
+    raise typer.Exit(OK if report.success else FAILED)
+
+
+def show(report: RunReport, options: RunOptions):
+    """A summary for people."""
+    def line(name, text):
+        out.print(f'{name:12}{escape(text)}', soft_wrap=True)
+    line('scenario', options.scenario)
+    line('plan', report.message)
+    times = ', '.join(f'{name} {seconds:.2f} s' for name, seconds in report.timings.items())
+    search = ', '.join(f'{key.removesuffix("_ms")} {float(report.planner[key]):.0f} ms'
+                       for key in ('plan_ms', 'generate_ms', 'verify_ms') if key in report.planner)
+    line('timings', f'{times} ({search})' if search else times)
+    if report.judged is not None:
+        line('path', f'{report.path_length} subgoals')
+        line('modes', ', '.join(f'{mode} {seconds:.2f} s' for mode, seconds in report.modes.items() if seconds))
+        judged = report.judged
+        x, y, turn = judged.pose
+        line('goal', f'{report.result.get("outcome")}: {report.result.get("reason")}')
+        line('final pose', f'x {x:.6f} m, y {y:.6f} m, rotation {turn:.6f} rad; {judged.angle_error:+.4f} rad from the '
+             f'goal, {1e3 * judged.gap:+.2f} mm from the palm')
+    if options.record:
+        line('bag', str(options.record))
+    if report.success:
+        out.print('[bold green]success:[/] the object rests on its goal')
+    elif report.judged is not None:
+        out.print(f'[bold red]not at the goal:[/] {escape(report.judged.reason or report.result.get("reason", ""))}',
+                  soft_wrap=True)
+
+
+class _Teller:
+    """A progress bar in a terminal, plain lines elsewhere: each line once."""
+
+    def __enter__(self):
+        self._last, self._progress = None, None
+        if out.is_terminal:
+            self._progress = Progress(TextColumn('{task.description}'), BarColumn(), TimeElapsedColumn(), console=out,
+                                      transient=True)
+            self._progress.start()
+            self._bar = self._progress.add_task('')
+        return self
+
+    def __call__(self, text: str, share: float = 0.0):
+        if self._progress:
+            self._progress.update(self._bar, completed=100 * share, description=escape(text[:60]))
+        elif text != self._last:
+            out.print(escape(text), soft_wrap=True)
+        self._last = text
+
+    def __exit__(self, *_):
+        if self._progress:
+            self._progress.stop()
+
+
+def _check_screen(view: bool):
+    if view and not os.environ.get('DISPLAY'):
+        raise WholeArmError('--view: there is no screen here (DISPLAY is not set); allowed: run without --view')
+
+
+def _interrupt_on_sigterm():
+    def interrupt(*_):
+        raise KeyboardInterrupt
+    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
