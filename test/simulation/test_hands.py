@@ -261,6 +261,12 @@ def test_bad_efforts_and_unknown_backends_are_refused(hand):
         make_hand('gazebo', SCENARIO)
 
 
+def test_a_window_without_a_screen_is_refused(monkeypatch):
+    monkeypatch.delenv('DISPLAY', raising=False)
+    with pytest.raises(HardwareError, match='no screen'):
+        make_hand('pybullet', SCENARIO, view=True)
+
+
 def test_hands_do_not_share_a_world(hand):
     a, b = hand(), hand()
     for _ in range(50):

@@ -8,10 +8,13 @@ PyBullet's world is enlarged SCALE times (lengths; forces, torques and inertias 
 collision margin of 1 mm that rounds their corners; enlarged, it is 0.1 mm of the real object, and so is the inset that
 puts contacts at the true faces.
 """
+import os
+import sys
 from typing import List, Optional, Tuple
 
 import numpy as np
 
+from ..errors import HardwareError
 from ..model.hand import SIDES
 from ..model.perturbation import NOMINAL, Perturbation
 from ..model.scenario import Scenario
@@ -44,7 +47,7 @@ class PyBulletHand:
         self.scenario = perturbation.applied(scenario)
         self.period = 1.0 / rate
         self._substeps = max(1, int(np.ceil(PHYSICS_RATE / rate - 1e-9)))
-        self._client = pybullet.connect(pybullet.GUI if view else pybullet.DIRECT)
+        self._client = _connected(view)
         self._engine(self.period / self._substeps)
         self._object = self._make_object()
         self._fingers = self._make_fingers()
@@ -183,6 +186,17 @@ class PyBulletHand:
                 if link >= 0:
                     pybullet.setJointMotorControl2(body, link, pybullet.VELOCITY_CONTROL, force=0.0,
                                                    physicsClientId=self._client)
+
+
+def _connected(view: bool) -> int:
+    """A world of its own. PyBullet ends the whole process when there is no screen for its window: refused before that."""
+    if view and sys.platform.startswith('linux') and not os.environ.get('DISPLAY'):
+        raise HardwareError('view: got no screen (DISPLAY is not set); allowed: a machine with a screen, or no view')
+    client = pybullet.connect(pybullet.GUI if view else pybullet.DIRECT)
+    if client < 0:
+        raise HardwareError('PyBullet gives no further world (it has a limit for one process); '
+                            'allowed: disconnect hands that are not used any more')
+    return client
 
 
 def _merged(points: List[ContactPoint], same: float = 1e-4) -> List[ContactPoint]:
