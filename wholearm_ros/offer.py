@@ -11,20 +11,24 @@ from typing import Callable, Optional
 import numpy as np
 
 from .control.setpoints import ControlOptions
+from .mechanics.copies import build_copies
 from .model.plan import NOT_EXECUTABLE, ContactPlan
 from .model.scenario import Scenario
 from .model.trajectory import ManipulationTrajectory
-from .planning.search import BEST, SearchOptions, make_routes
+from .planning.search import BEST, MoveRoutes, SearchOptions, make_routes
 from .trajectory.generate import generate
 from .trajectory.options import AUTO, FRONT, REAR, ExecutionOptions
-from .trajectory.verify import Verification, build_copies, run_trial
+from .trajectory.verify import Verification, run_trial
+
+CAGES = ((REAR, 0.1), (FRONT, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
 
 
 @dataclass(frozen=True)
 class Request:
     """search: best or random; seed: of the random search and of the copies; transition: dwell, dynamic or auto;
     copies, level: how many perturbed copies, and how strongly perturbed; accept: least share of copies that must survive;
-    candidates: trajectories to try before giving up (so that the answer does not depend on the machine);
+    candidates: trajectories to try before giving up on the arcs, and again on the moves (so that the answer does not depend
+    on the machine); moves: how many dynamic moves may be simulated where arcs alone do not do, 0 for none;
     time_budget: [s] after which no further candidate is begun."""
 
     search: str = BEST
@@ -34,7 +38,8 @@ class Request:
     copies: int = 8
     level: float = 1.0
     accept: float = 0.85
-    candidates: int = 300
+    candidates: int = 150
+    moves: int = 6000
     time_budget: float = 60.0
 
 
@@ -65,55 +70,92 @@ def offer(scenario: Scenario, request: Request = Request(), controls: ControlOpt
 
     Raises ScenarioError when the start is impossible. `progress` is called with a line for people now and then.
     """
-    clock = {'plan_ms': 0.0, 'generate_ms': 0.0, 'verify_ms': 0.0}
-    began = time.monotonic()
-    with _timed(clock, 'plan_ms'):
-        routes = make_routes(scenario, SearchOptions(request.search, request.seed, request.limit))
-        plan = routes.next_plan()
-    first, best, tried, route = plan, _Best(), 0, 0
-    copies = build_copies(scenario, request.copies, request.level, request.seed) if plan.found else ()
-    while plan.found and tried < request.candidates and time.monotonic() - began < request.time_budget:
-        failures = []
-        for options in execution_variants(request):
-            tried += 1
-            with _timed(clock, 'generate_ms'):
-                candidate = plan.with_execution(options.to_dict())
-                trajectory = generate(scenario, candidate, options)
-            with _timed(clock, 'verify_ms'):
-                verification = _verify(trajectory, scenario, copies, controls, best.share)
-            failures.append(_failed_leg(plan, trajectory, verification))
-            if verification.survived > best.share:
-                best = _Best(verification.survived, candidate, trajectory, verification)
-            if best.share == 1.0 or tried >= request.candidates:
+    options = SearchOptions(request.search, request.seed, request.limit, request.moves)
+    trying = _Trying(scenario, request, controls, progress)
+    first = trying.routes_of(make_routes, options, execution_variants(request))
+    if trying.best.share < 1.0 and request.moves:
+        trying.routes_of(MoveRoutes, options, move_variants())
+    if trying.best.share >= request.accept:
+        return trying.offered()
+    return Offer(trying.refused(first), None, trying.clock, trying.best.verification)
+
+
+class _Trying:
+    """Candidates tried so far, the best of them, and the milliseconds they took."""
+
+    def __init__(self, scenario, request, controls, progress):
+        self.scenario, self.request, self.controls, self.progress = scenario, request, controls, progress
+        self.clock = {'plan_ms': 0.0, 'generate_ms': 0.0, 'verify_ms': 0.0}
+        self.best, self.tried, self._copies, self._began = _Best(), 0, None, time.monotonic()
+
+    def routes_of(self, source, options, variants) -> ContactPlan:
+        """Try route after route until one survives or there are no more; returns the first one."""
+        budget = self.tried + self.request.candidates
+        with _timed(self.clock, 'plan_ms'):
+            routes = source(self.scenario, options)
+            first = plan = routes.next_plan()
+        while plan.found and self.tried < budget and time.monotonic() - self._began < self.request.time_budget:
+            failed = self._try(plan, variants[:budget - self.tried])
+            if self.best.share == 1.0:
                 break
-        if best.share == 1.0:
-            break
-        route += 1
-        progress(f'route {route}: {tried} candidates tried, best survives {max(best.share, 0.0):.0%} of its copies')
-        with _timed(clock, 'plan_ms'):
-            plan = routes.next_plan(max(set(failures), key=failures.count))
-    if best.share >= request.accept:
-        return _offered(best, clock, tried, request)
-    return Offer(_refused(first, best, tried), None, clock, best.verification)
+            self.progress(f'{self.tried} candidates tried, the best survives {max(self.best.share, 0.0):.0%} of its copies')
+            with _timed(self.clock, 'plan_ms'):
+                plan = routes.next_plan(failed)
+        return first
+
+    def _try(self, plan, variants):
+        """All variants of a route, until one survives; returns the leg on which most of them failed."""
+        failures = []
+        for options in variants:
+            self.tried += 1
+            candidate = plan.with_execution(options.to_dict())
+            with _timed(self.clock, 'generate_ms'):
+                trajectory = generate(self.scenario, candidate, options)
+            with _timed(self.clock, 'verify_ms'):
+                verification = self._verify(trajectory)
+            failures.append(_failed_leg(plan, trajectory, verification))
+            if verification.survived > self.best.share:
+                self.best = _Best(verification.survived, candidate, trajectory, verification)
+            if self.best.share == 1.0:
+                break
+        return max(set(failures), key=failures.count)
+
+    def _verify(self, trajectory):
+        """All copies, but no more of them than it takes to see that the best so far is not beaten."""
+        if self._copies is None:
+            self._copies = build_copies(self.scenario, self.request.copies, self.request.level, self.request.seed)
+        trials, asked = [], len(self._copies)
+        for copy in self._copies:
+            trials.append(run_trial(trajectory, self.scenario, copy, self.controls))
+            failed = sum(not t.success for t in trials)
+            if not trials[0].success or (asked - failed) / asked <= self.best.share:
+                break
+        return Verification(tuple(trials), asked)
+
+    def offered(self) -> Offer:
+        best = self.best
+        record = {**best.verification.to_dict(), 'level': self.request.level, 'candidates_tried': self.tried}
+        return Offer(best.plan, replace(best.trajectory, plan_id=best.plan.id, verification=record), self.clock,
+                     best.verification)
+
+    def refused(self, first) -> ContactPlan:
+        if self.best.plan is None:
+            return first
+        reason = (f'no route survives: {self.tried} candidates tried, the best survives {self.best.share:.0%} of its copies '
+                  f'({"; ".join(self.best.verification.reasons()[:2])})')
+        return replace(first, outcome=NOT_EXECUTABLE, reason=reason, path=(), legs=(), cost={})
 
 
 def execution_variants(request: Request) -> tuple:
     """Ways to execute a route, the most promising first."""
     base = ExecutionOptions()
-    cages = ((REAR, 0.1), (FRONT, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))
     return tuple(replace(base, velocity_finger=finger, caging_finger=side, caging_torque=torque, torque_margin=margin)
-                 for margin, finger, (side, torque) in product((0.5, 3.5), (AUTO, REAR, FRONT), cages))
+                 for margin, finger, (side, torque) in product((0.5, 3.5), (AUTO, REAR, FRONT), CAGES))
 
 
-def _verify(trajectory, scenario, copies, controls, to_beat):
-    """All copies, but no more of them than it takes to see that `to_beat` is not beaten."""
-    trials = []
-    for k, copy in enumerate(copies):
-        trials.append(run_trial(trajectory, scenario, copy, controls))
-        failed = sum(not t.success for t in trials)
-        if not trials[0].success or (len(copies) - failed) / len(copies) <= to_beat:
-            break
-    return Verification(tuple(trials), len(copies))
+def move_variants() -> tuple:
+    """Ways to execute a route of dynamic moves: only its caging leaves a choice."""
+    return tuple(ExecutionOptions(caging_finger=side, caging_torque=torque) for side, torque in CAGES)
 
 
 def _failed_leg(plan, trajectory, verification):
@@ -129,19 +171,6 @@ def _failed_leg(plan, trajectory, verification):
     nearest = [np.abs(leg.configurations[:, :3] - pose).sum(axis=1).min() for leg in plan.legs]
     return int(np.argmin(nearest))
 
-
-def _offered(best, clock, tried, request):
-    record = {**best.verification.to_dict(), 'level': request.level, 'candidates_tried': tried}
-    return Offer(best.plan, replace(best.trajectory, plan_id=best.plan.id, verification=record), clock, best.verification)
-
-
-def _refused(first, best, tried):
-    if not first.found:
-        return first
-    reason = f'no route survives: {tried} candidates tried'
-    if best.plan is not None:
-        reason += f', the best survives {best.share:.0%} of its copies ({"; ".join(best.verification.reasons()[:2])})'
-    return replace(first, outcome=NOT_EXECUTABLE, reason=reason, path=(), legs=(), cost={})
 
 
 class _timed:

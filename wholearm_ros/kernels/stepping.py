@@ -200,3 +200,43 @@ def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, t
         record_q[count], record_v[count] = q, v
         count += 1
     return count, worst
+
+
+@kernel
+def run_move(obj, palm, fingers, corners, inertias, load, finger_moment, torque_limits, side, turn, torque, efforts,
+             ramp_steps, turn_steps, settle_steps, kp, kd, h, every, q, v, record_q, record_v, record_efforts, record_angle):
+    """One finger turns by `turn` [rad] from rest to rest under stiff PD while the other holds `torque` [N m].
+
+    efforts (2,): at the start, from which the torque finger's ramps to `torque`; q, v (5,) are updated in place.
+    Every `every` steps records q, v (r, 5), the efforts (r, 2) (the velocity finger's averaged) and its wanted angle (r,).
+    Returns (records, largest LCP residual). Stops early when the object leaves the hand.
+    """
+    size = table_size(obj, palm, corners)
+    gaps, codes, active = np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_)
+    work = (gaps, codes, active)
+    first = q[3 + side]
+    before = efforts[1 - side]
+    feed = efforts[side]
+    applied = np.empty(2)
+    total = ramp_steps + turn_steps + settle_steps
+    mean, count, worst = 0.0, 0, 0.0
+    for n in range(total):
+        u = min(max((n - ramp_steps) / max(turn_steps, 1), 0.0), 1.0)
+        wanted = first + turn * u ** 3 * (10.0 - 15.0 * u + 6.0 * u * u)
+        speed = 30.0 * turn * (u * (1.0 - u)) ** 2 / (turn_steps * h) if turn_steps > 0 else 0.0
+        applied[1 - side] = before + (torque - before) * min(1.0, (n + 1) / max(ramp_steps, 1))
+        applied[side] = feed + kp * (wanted - q[3 + side]) + kd * (speed - v[3 + side])
+        for i in range(2):
+            applied[i] = min(max(applied[i], -torque_limits[i]), torque_limits[i])
+        mean += applied[side]
+        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, 0.0, applied, h, q, v, work)
+        worst = max(worst, residual)
+        if (n + 1) % every == 0:
+            record_q[count], record_v[count] = q, v
+            record_efforts[count, side], record_efforts[count, 1 - side] = mean / every, applied[1 - side]
+            record_angle[count] = wanted
+            mean = 0.0
+            count += 1
+        if abs(q[0]) > 0.2 or q[1] > 0.25 or q[1] < -0.02:
+            break
+    return count, worst

@@ -3,11 +3,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..kernels import geometry
 from ..model.plan import ContactPlan
 from ..model.scenario import Scenario
 from ..model.trajectory import ManipulationTrajectory
 from .contacts import pair_from_name, pair_name
-from ..kernels import geometry
+from .moves import Move
 
 
 def mirror_configurations(q: np.ndarray) -> np.ndarray:
@@ -27,7 +28,8 @@ def mirror_plan(plan: ContactPlan, scenario: Scenario) -> ContactPlan:
     subgoals = tuple(replace(s, configuration=mirror_configurations(s.configuration), direction=-s.direction,
                              contacts=mirror_contacts(s.contacts, scenario)) for s in plan.subgoals)
     legs = tuple(replace(leg, configurations=mirror_configurations(leg.configurations),
-                         contacts=mirror_contacts(leg.contacts, scenario)) for leg in plan.legs)
+                         contacts=mirror_contacts(leg.contacts, scenario),
+                         action=Move.from_dict(leg.action).mirrored().to_dict() if leg.action else {}) for leg in plan.legs)
     return replace(plan, scenario=scenario, subgoals=subgoals, legs=legs)
 
 

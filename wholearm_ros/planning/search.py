@@ -5,10 +5,11 @@ import numpy as np
 
 from ..mechanics.mirror import mirror_plan
 from ..model.hand import LEFT, RIGHT
-from ..model.plan import EXHAUSTED, FOUND, ContactPlan
+from ..model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, ContactPlan
 from ..model.scenario import Scenario
 from ..model.task import turns_clockwise
 from .best_search import ArcGraph, best_route
+from .move_search import MoveTree, main_move_search
 from .random_search import main_random_search
 from .task import build_task
 
@@ -17,11 +18,13 @@ BEST, RANDOM = 'best', 'random'
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """search: best or random; seed: of the random one; limit: of expansions (i_max)."""
+    """search: best or random; seed: of the random one, and of the copies that judge dynamic moves; limit: of expansions
+    (i_max); move_limit: of moves simulated where the arcs do not lead to the goal, 0 for none."""
 
     search: str = BEST
     seed: int = 0
     limit: int = 5000
+    move_limit: int = 6000
 
 
 def make_routes(scenario: Scenario, options: SearchOptions):
@@ -46,8 +49,11 @@ class _Routes:
         self.task = build_task(scenario.mirrored() if self._mirrored else scenario)
 
     def _plan(self, outcome, reason, network, counts, path=(), legs=(), cost=None) -> ContactPlan:
-        found = ContactPlan(self.task.scenario, self.options.search, self.options.seed, outcome, reason,
-                            {**counts, **network.counts()}, tuple(network.subgoals), path, legs, cost or {})
+        return self._document(outcome, reason, {**counts, **network.counts()}, tuple(network.subgoals), path, legs, cost or {})
+
+    def _document(self, outcome, reason, counts, subgoals=(), path=(), legs=(), cost=None) -> ContactPlan:
+        found = ContactPlan(self.task.scenario, self.options.search, self.options.seed, outcome, reason, counts, subgoals,
+                            path, legs, cost or {})
         return mirror_plan(found, self.scenario) if self._mirrored else found
 
 
@@ -104,6 +110,27 @@ class RandomRoutes(_Routes):
             return self._plan(outcome, _why(outcome, ()), network, counts)
         path, legs = network.route_to(goal)
         return self._plan(FOUND, f'reached after {iterations} iterations', network, counts, path, legs)
+
+
+class MoveRoutes(_Routes):
+    """Routes of dynamic moves, each one another way through the tree of states at rest."""
+
+    def __init__(self, scenario: Scenario, options: SearchOptions):
+        super().__init__(scenario, options)
+        self._tree = MoveTree(self.task, options.seed)
+
+    def next_plan(self, failed_leg: int = None) -> ContactPlan:
+        """The next route the tree grows into; which leg of the last one failed makes no difference."""
+        route = main_move_search(self.task, self._tree, self.options.move_limit)
+        counts = {'states_at_rest': len(self._tree.states), 'moves_simulated': self._tree.simulated}
+        if route is None:
+            spent = self._tree.simulated >= self.options.move_limit
+            return self._document(LIMIT_REACHED if spent else EXHAUSTED, 'no sequence of dynamic moves was found', counts)
+        subgoals, legs = route
+        cost = {'total': float(len(legs))}
+        reason = f'{len(legs)} legs of dynamic moves and caging'
+        return self._document(FOUND, reason, {**counts, 'subgoals': len(subgoals)}, tuple(subgoals),
+                              tuple(s.number for s in subgoals), tuple(legs), cost)
 
 
 def _why(outcome, without):

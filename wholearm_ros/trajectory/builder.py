@@ -2,8 +2,9 @@
 import numpy as np
 
 from ..mechanics.contacts import pair_name
+from ..mechanics.moves import PERIOD, Move, Rest, simulate_move
 from ..mechanics.world import World
-from ..model.trajectory import DWELL, ManipulationTrajectory, Segment
+from ..model.trajectory import DWELL, DYNAMIC, QUASI_STATIC, ManipulationTrajectory, Segment
 from .control_mode import control_mode
 from .options import ExecutionOptions
 
@@ -42,6 +43,21 @@ class TrajectoryBuilder:
             if count:
                 self._close(mode, velocity_finger, piece.pairs, count)
 
+    def extend_move(self, move: Move, pairs: tuple):
+        """Append a move from where the trajectory stands: its torque ramp as a dwell, the rest of it as dynamic."""
+        start = Rest(self._q[-1][-1], self._efforts[-1][-1])
+        record = simulate_move(self.world, start, move)
+        if abs(self.options.period - PERIOD) > 1e-12:
+            raise ValueError(f'period {self.options.period} s; dynamic legs are made for {PERIOD} s')
+        q = record.configurations.copy()
+        q[:, 3:] = record.setpoints(start)[0][1:]
+        none = np.full((len(q), 2), np.nan)
+        ramp = record.ramp
+        self._append(q[:ramp], record.efforts[:ramp], none[:ramp])
+        self._close(DWELL, move.velocity_finger, pairs, ramp)
+        self._append(q[ramp:], record.efforts[ramp:], none[ramp:])
+        self._close(DYNAMIC, move.velocity_finger, pairs, len(q) - ramp)
+
     def hold(self, seconds: float):
         """Stay where it is; the fingers keep their torques."""
         count = int(np.ceil(seconds / self.options.period))
@@ -73,6 +89,6 @@ class TrajectoryBuilder:
         start = self._segments[-1].end if self._segments else 0.0
         end = start + count * self.options.period
         modes = [control_mode(self.world, pairs, self._q[-1][-1], side) for side in (velocity_finger, 1 - velocity_finger)] \
-            if len(pairs) == 4 and mode != 'caging' else []
+            if len(pairs) == 4 and mode == QUASI_STATIC else []
         self._segments.append(Segment(start, end, mode, velocity_finger, tuple(map(pair_name, pairs)),
                                       tuple(m.degree_of_constraint for m in modes), tuple(m.conditioning for m in modes)))

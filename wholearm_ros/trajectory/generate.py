@@ -8,7 +8,7 @@ from ..model.hand import CLOSING
 from ..model.plan import ContactPlan
 from ..model.scenario import Scenario
 from ..model.task import turns_clockwise
-from ..model.trajectory import CAGING, QUASI_STATIC, ManipulationTrajectory
+from ..model.trajectory import CAGING, DYNAMIC, QUASI_STATIC, ManipulationTrajectory
 from .builder import TrajectoryBuilder
 from .options import ExecutionOptions
 from .strokes import follow, pieces_of
@@ -39,6 +39,10 @@ def _generate(scenario, plan, options, plan_id):
     pieces = [piece for leg in plan.legs for piece in pieces_of(world, leg, options)]  # step 1
     try:
         while pieces:
+            if pieces[0].mode == DYNAMIC:
+                piece = pieces.pop(0)
+                builder.extend_move(piece.move, piece.pairs)
+                continue
             if pieces[0].mode == CAGING:
                 _lower(builder, pieces.pop(0))
                 continue
@@ -60,7 +64,7 @@ def _boundary(world, pieces):
         if report is not None:
             reports.append(report.to_dict())
         turns_on = (after.velocity_finger, after.direction) == (before.velocity_finger, before.direction)
-        if after.mode == CAGING or not turns_on or not report.quasi_static:
+        if after.mode != QUASI_STATIC or not turns_on or not report.quasi_static:
             return stroke, reports
         stroke.append(after)
     return stroke, reports

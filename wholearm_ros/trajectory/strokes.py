@@ -5,10 +5,11 @@ import numpy as np
 
 from ..kernels import arcs
 from ..mechanics.contacts import pair_from_name
+from ..mechanics.moves import Move
 from ..mechanics.world import World
 from ..model.hand import LEFT, RIGHT
 from ..model.plan import Leg
-from ..model.trajectory import CAGING
+from ..model.trajectory import CAGING, DYNAMIC
 from .control_mode import control_mode
 from .options import AUTO, FRONT, ExecutionOptions
 
@@ -18,12 +19,14 @@ STATICS_FRICTION = 0.03  # coefficient for which the torque must be right, too
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Part of a leg with one velocity finger: its pairs and samples (m, 5) along which θ_V is strictly monotone."""
+    """Part of a leg with one velocity finger: its pairs and samples (m, 5); θ_V is strictly monotone along a quasi-static
+    one. move: of a dynamic one."""
 
     mode: str
     pairs: tuple
     samples: np.ndarray
     velocity_finger: int
+    move: Move = None
 
     @property
     def direction(self) -> int:
@@ -50,6 +53,9 @@ class Followed:
 def pieces_of(world: World, leg: Leg, options: ExecutionOptions) -> list:
     """Cut a leg into pieces, each with a velocity finger that can drive it; the preferred one wherever it can."""
     pairs = tuple(pair_from_name(name) for name in leg.contacts)
+    if leg.mode == DYNAMIC:
+        move = Move.from_dict(leg.action)
+        return [Piece(DYNAMIC, pairs, leg.configurations, move.velocity_finger, move)]
     if leg.mode == CAGING:
         return [Piece(CAGING, pairs, leg.configurations, LEFT if options.caging_finger == FRONT else RIGHT)]
     samples, start, pieces = leg.configurations, 0, []

@@ -5,7 +5,7 @@ import numpy as np
 
 from ..mechanics.contacts import pair_name
 from ..mechanics.world import World
-from ..model.trajectory import CAGING
+from ..model.trajectory import QUASI_STATIC
 from .control_mode import control_mode
 from .strokes import Piece, follow
 
@@ -39,8 +39,8 @@ class TransitionReport:
 
 
 def check_transition(world: World, before: Piece, after: Piece) -> TransitionReport:
-    """Judge the transition at the end of `before`, with the velocity finger of `after`; None when it leads into a cage."""
-    if CAGING in (before.mode, after.mode):
+    """Judge the transition at the end of `before`, with the velocity finger of `after`; None unless both are quasi-static."""
+    if {before.mode, after.mode} != {QUASI_STATIC}:
         return None
     side, q = after.velocity_finger, after.samples[0]
     unique = all(control_mode(world, p.pairs, q, side).conditioning > LEAST_CONDITIONING for p in (before, after))

@@ -4,29 +4,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..control.setpoints import ControlOptions
-from ..kernels import stepping
-from ..mechanics.world import World, build_world
+from ..mechanics.copies import Copy, follow_setpoints
 from ..model.scenario import GoalAtPose, Scenario
-from ..model.task import goal_rotation
 from ..model.trajectory import ManipulationTrajectory
-from ..simulation.perturbation import NOMINAL, Perturbation, draw_perturbation
-from ..simulation.start import settled_start
 
-STEP = 0.001           # [s]
 SETTLE = 0.3           # [s] of holding after the trajectory's end
 ANGLE_TOLERANCE = 0.02  # [rad] from the goal's rotation; less than a run is allowed
 REST_SPEED = 0.005     # [m/s] of the centroid at the end
-RECORD_EVERY = 0.02    # [s]
-
-
-@dataclass(frozen=True, eq=False)
-class Copy:
-    """The hand and object as they might truly be: its arrays, start (5,), goal rotation [rad] and actuation."""
-
-    world: World
-    start: np.ndarray
-    goal_angle: float
-    perturbation: Perturbation
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,18 +50,6 @@ class Verification:
                 'lcp_residual': max(t.residual for t in self.trials)}
 
 
-def build_copies(scenario: Scenario, count: int, level: float, seed: int) -> tuple:
-    """The scenario as told, and `count` perturbed copies of it at `level` (see Perturbation), always the same."""
-    rng = np.random.default_rng(seed)
-    drawn = (NOMINAL, *(draw_perturbation(rng, level, scenario) for _ in range(count)))
-    return tuple(_copy(scenario, p) for p in drawn)
-
-
-def _copy(scenario, perturbation):
-    truth = perturbation.applied(scenario)
-    return Copy(build_world(truth), settled_start(scenario, truth), goal_rotation(truth), perturbation)
-
-
 def verify(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple,
            controls: ControlOptions = ControlOptions()) -> Verification:
     """Run every copy."""
@@ -86,20 +58,10 @@ def verify(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple
 
 def run_trial(trajectory: ManipulationTrajectory, scenario: Scenario, copy: Copy, controls: ControlOptions) -> Trial:
     """One copy under the closed loop of control/, simulated by the LCP time stepping."""
-    w, p = copy.world, copy.perturbation
-    every = int(round(RECORD_EVERY / STEP))
-    settle = int(round(SETTLE / STEP))
-    size = int(trajectory.duration / RECORD_EVERY + SETTLE / RECORD_EVERY) + 4
-    q, v = copy.start.copy(), np.zeros(5)
-    qs, vs = np.empty((size, 5)), np.empty((size, 5))
-    count, residual = stepping.run_trajectory(
-        *w.geometry, w.corners, w.inertias, w.load, w.finger_moment, w.torque_limits, p.friction, p.torque_factors,
-        int(round(p.actuation_delay / STEP)), controls.gains.kp, controls.gains.kd, STEP, trajectory.period,
-        trajectory.angles, trajectory.velocities, trajectory.efforts, velocity_fingers(trajectory), settle,
-        q, v, every, qs, vs)
-    reason = _missing(scenario, copy, q, v)
-    times = RECORD_EVERY * np.arange(count)
-    return Trial(times, qs[:count], not reason, reason, residual)
+    run = follow_setpoints(copy, copy.start, np.zeros(5), trajectory.period, trajectory.angles, trajectory.velocities,
+                           trajectory.efforts, velocity_fingers(trajectory), controls.gains, SETTLE)
+    reason = _missing(scenario, copy, run.q, run.v)
+    return Trial(run.times, run.configurations, not reason, reason, run.residual)
 
 
 def velocity_fingers(trajectory: ManipulationTrajectory) -> np.ndarray:

@@ -1,0 +1,187 @@
+"""Routes of dynamic moves, where the graph of four-contact arcs holds none that survives.
+
+A tree of states at rest, grown best first. From each of them either finger is swept either way under a few torques of the
+other one; forward dynamics says where the object goes, and every so far along a sweep is a place to stop. A stop becomes
+a new state only if the move to it ends at rest, and if a few perturbed copies of the task, led through all moves so far
+as the controllers would, end up in nearly the same place: what physics does not do reliably is not built upon.
+"""
+import heapq
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..control.setpoints import ControlOptions
+from ..mechanics.contacts import closed_pairs, pair_name
+from ..mechanics.copies import build_copies, follow_setpoints
+from ..mechanics.moves import PERIOD, Move, MoveRecord, Rest, simulate_move
+from ..model.hand import LEFT, RIGHT
+from ..model.plan import X_END, X_GOAL, X_INIT, Leg, Subgoal, Y
+from ..model.trajectory import CAGING, DYNAMIC
+from .expansion import lowering
+from .task import Task
+
+TORQUES = (0.05, 0.2, 0.6, 1.5, 3.5)  # [N m] towards closing
+SWEEP = 0.9          # [rad]
+STOP_EVERY = 0.1     # [rad] along a sweep
+SWEEP_SPEED = 2.0    # [rad/s]
+LONG_SETTLE = 0.6    # [s] for a move that does not end at rest at once
+PARTICLES = 3        # perturbed copies besides the nominal one
+SPREAD = np.array([0.008, 0.008, 0.08])  # [m, m, rad] by which copies may differ from the plan
+STILL = 0.05         # [rad/s], [0.1 m/s] of a copy at rest
+CELL = np.array([0.01, 0.01, 0.06, 0.12, 0.12])  # [m, rad] states in the same cell are one
+DEPTH_COST = 0.06    # [rad] of a move, against the rotation that is left
+TOUCHING = 2e-4      # [m] gap of a closed pair after a simulation
+SAMPLE_EVERY = 10    # of a move's records, kept in its leg
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """At rest after `record` from `parent` (place in the tree); copies: q, v (5,) of each particle."""
+
+    rest: Rest
+    copies: tuple
+    parent: int
+    record: MoveRecord
+    depth: int
+
+
+class MoveTree:
+    """The tree, its open stops in a queue; `grow` takes one of them."""
+
+    def __init__(self, task: Task, seed: int):
+        self.task, self._controls = task, ControlOptions()
+        self._copies = build_copies(task.scenario, PARTICLES, 1.0, seed + 1)
+        world = task.world
+        rest = Rest(task.start, world.finger_moment * np.cos(task.start[3:]))
+        self.states = [State(rest, tuple((c.start, np.zeros(5)) for c in self._copies), -1, None, 0)]
+        self._queue, self._order, self._seen, self.simulated = [], 0, {self._cell(task.start)}, 0
+        self._sweep(0)
+
+    def grow(self) -> int:
+        """Place of a new state, or None when the best open stop came to nothing. Raises IndexError when none is open."""
+        _, _, parent, move = heapq.heappop(self._queue)
+        before = self.states[parent]
+        record = self._simulate(before.rest, move)
+        if not record.at_rest and not self._hopeless(record.configurations[-1]):
+            record = self._simulate(before.rest, replace(move, settle=LONG_SETTLE))
+        if not record.at_rest or self._hopeless(record.configurations[-1]):
+            return None
+        cell = self._cell(record.configurations[-1])
+        if cell in self._seen:
+            return None
+        copies = self._led(before, record)
+        if copies is None:
+            return None
+        self._seen.add(cell)
+        self.states.append(State(record.rest(), copies, parent, record, before.depth + 1))
+        self._sweep(len(self.states) - 1)
+        return len(self.states) - 1
+
+    def route_to(self, k: int) -> tuple:
+        """(subgoals, path, legs) from the start to state k."""
+        states = []
+        while k >= 0:
+            states.append(self.states[k])
+            k = self.states[k].parent
+        states.reverse()
+        subgoals = [Subgoal(1, X_INIT, states[0].rest.q, self._names(states[0].rest.q))]
+        legs = []
+        for number, state in enumerate(states[1:], start=2):
+            names = self._names(state.rest.q)
+            move = state.record.move
+            subgoals.append(Subgoal(number, Y if len(names) > 4 else X_END, state.rest.q, names,
+                                    int(np.sign(move.turn)), number - 1))
+            legs.append(Leg(number - 1, number, DYNAMIC, names, _samples(subgoals[-2].configuration, state.record),
+                            move.to_dict()))
+        return subgoals, legs
+
+    def _names(self, q):
+        return tuple(pair_name(c) for c in closed_pairs(self.task.world, q, TOUCHING))
+
+    def _sweep(self, k):
+        """Open the stops that can be come to from state k."""
+        state = self.states[k]
+        for side in (LEFT, RIGHT):
+            for way in (1.0, -1.0):
+                for torque in TORQUES:
+                    sweep = Move(side, way * SWEEP, torque, SWEEP_SPEED, settle=0.0)
+                    self._open_stops(k, state, sweep, self._simulate(state.rest, sweep))
+
+    def _open_stops(self, k, state, sweep, record):
+        turned = np.abs(record.wanted - state.rest.q[3 + sweep.velocity_finger])
+        for stop in np.arange(STOP_EVERY, SWEEP + 1e-9, STOP_EVERY):
+            i = int(np.searchsorted(turned, stop - 1e-9))
+            if i >= len(turned):
+                return
+            q = record.configurations[i]
+            if abs(q[3 + sweep.velocity_finger] - record.wanted[i]) > 0.1 or self._hopeless(q):
+                return
+            if self._cell(q) not in self._seen:
+                move = Move(sweep.velocity_finger, float(np.sign(sweep.turn) * stop), sweep.torque)
+                self._order += 1
+                cost = max(0.0, self._left(q)) + DEPTH_COST * (state.depth + 1)
+                heapq.heappush(self._queue, (cost, self._order, k, move))
+
+    def _left(self, q):
+        """Rotation that is left until the object may be let go [rad]."""
+        return float(self.task.cage_intervals[-1, 0] - q[2])
+
+    def _hopeless(self, q):
+        limits = self.task.world.limits
+        return bool(abs(q[0]) > 0.12 or q[1] > 0.16 or q[2] > self.task.goal_angle + 0.1
+                    or (q[3:] < limits[:, 0]).any() or (q[3:] > limits[:, 1]).any())
+
+    def _led(self, before, record):
+        """The particles after the move, or None when they do not agree with the plan."""
+        angles, velocities, efforts = record.setpoints(before.rest)
+        sides = np.full(len(angles), record.move.velocity_finger)
+        after = []
+        for copy, (q, v) in zip(self._copies, before.copies):
+            run = follow_setpoints(copy, q, v, PERIOD, angles, velocities, efforts, sides, self._controls.gains)
+            self.simulated += 1
+            turn = copy.goal_angle - self._copies[0].goal_angle
+            difference = np.abs(run.q[:3] - record.configurations[-1, :3] - [0.0, 0.0, turn])
+            if (difference > SPREAD).any() or np.abs(run.v / self.task.world.scale).max() > STILL:
+                return None
+            after.append((run.q, run.v))
+        return tuple(after)
+
+    def _simulate(self, rest, move):
+        self.simulated += 1
+        return simulate_move(self.task.world, rest, move)
+
+    @staticmethod
+    def _cell(q):
+        return tuple(np.round(q / CELL).astype(int).tolist())
+
+
+def main_move_search(task: Task, tree: MoveTree, limit: int):
+    """(subgoals, legs) of the next route that the tree leads to the goal, or None when it is done with.
+
+    limit: of simulated moves in the whole tree.
+    """
+    while tree.simulated < limit:
+        try:
+            k = tree.grow()
+        except IndexError:
+            return None
+        if k is None:
+            continue
+        q = tree.states[k].rest.q
+        if task.reached(q[:3]):
+            return tree.route_to(k)
+        cage = task.cage_at(q[2])
+        down = lowering(task, q, cage) if cage is not None else None
+        if down is not None and task.reached(down[-1, :3]):
+            subgoals, legs = tree.route_to(k)
+            names = tuple(map(pair_name, closed_pairs(task.world, down[-1])))
+            number = len(subgoals) + 1
+            subgoals.append(Subgoal(number, X_GOAL, down[-1], names, 0, number - 1))
+            return subgoals, [*legs, Leg(number - 1, number, CAGING, names, down)]
+    return None
+
+
+def _samples(start, record):
+    last = len(record.configurations) - 1
+    places = [*range(SAMPLE_EVERY, last, SAMPLE_EVERY), last]
+    return np.vstack([start[None], record.configurations[places]])
