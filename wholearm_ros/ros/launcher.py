@@ -19,6 +19,7 @@ from .processes import Processes
 START_WITHIN = 300.0  # [s] the first time, everything is compiled
 SLACK = 60.0          # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 LOCKSTEP_SLOWNESS = 60.0
+LOOP_PRIORITY = 20    # of the nodes of the closed loop, in real time
 
 
 @dataclass(frozen=True)
@@ -60,15 +61,16 @@ class RunReport:
 def node_parameters(options: RunOptions) -> dict:
     """Parameters by node, in the order in which the nodes are started."""
     scenario, pacing = {'scenario': options.scenario}, {'pacing': options.pacing}
+    loop = {'priority': LOOP_PRIORITY} if options.pacing == 'realtime' else {}
     nodes = {}
     if options.record:
         nodes['bag_recorder'] = {'path': str(options.record), 'storage': options.storage}
     return {**nodes,
-            'hand_hardware': {**scenario, **pacing, 'backend': options.backend, 'view': options.view,
+            'hand_hardware': {**scenario, **pacing, **loop, 'backend': options.backend, 'view': options.view,
                               'motor_rate': options.rate},
-            'mode_switcher': pacing,
-            'velocity_controller': scenario,
-            'torque_controller': {**scenario, 'motor_rate': options.rate},
+            'mode_switcher': {**pacing, **loop},
+            'velocity_controller': {**scenario, **loop},
+            'torque_controller': {**scenario, **loop, 'motor_rate': options.rate},
             'trajectory_generator': {},
             'contact_state_planner': {**scenario, 'seed': options.seed, 'search': options.search,
                                       'transition': options.transition}}

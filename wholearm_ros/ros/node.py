@@ -20,6 +20,7 @@ LEAVE_WITHIN = 0.8  # [s] after SIGINT or SIGTERM; then the process ends whateve
 SIGNAL_PERIOD = 0.05  # [s] between two looks at whether a signal came
 OK, WARN, ERROR, STALE = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE
 DIAGNOSTICS_RATE = Declared('diagnostics_rate', 2.0, 'how often this node reports on /diagnostics [Hz]', 0.1, 50.0)
+PRIORITY = Declared('priority', 0, 'real-time priority (SCHED_FIFO) of all threads of the node; 0: none', 0, 90)
 
 
 class WholeArmNode(Node):
@@ -30,7 +31,7 @@ class WholeArmNode(Node):
     def __init__(self, name: str, declared):
         super().__init__(name, namespace=channels.NAMESPACE)
         self.refused = 0  # messages
-        self.parameters = Parameters(self, (*declared, DIAGNOSTICS_RATE), self.parameters_changed)
+        self.parameters = Parameters(self, (*declared, DIAGNOSTICS_RATE, PRIORITY), self.parameters_changed)
         self._diagnostics = self.publisher(channels.DIAGNOSTICS)
         self.every(1.0 / self.parameters.diagnostics_rate, self.report)
 
@@ -93,12 +94,23 @@ def run_node(make_node, args=None, make_executor=EventsExecutor) -> int:
     threading.Thread(target=_end_in_time, args=(signalled, finished, node.leave_within), daemon=True).start()
     executor = make_executor()
     executor.add_node(node)
+    _raise_priority(node)
     while not signalled.is_set():  # EventsExecutor.spin() would serve no timer
         executor.spin_once(timeout_sec=SIGNAL_PERIOD)
     node.leave()
     rclpy.try_shutdown()
     finished.set()
     return 0
+
+
+def _raise_priority(node):
+    """Where the machine allows it; else the node runs as it is and says so."""
+    if node.parameters.priority:
+        try:
+            for thread in os.listdir('/proc/self/task'):
+                os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(node.parameters.priority))
+        except OSError as error:
+            node.get_logger().info(f'priority: not allowed here ({error.strerror}); running without')
 
 
 def _watch_signals() -> threading.Event:

@@ -1,0 +1,56 @@
+# make run | make test | make bench | make test-faults | make clean. The environment in .venv is made once.
+SHELL := /bin/bash
+VENV := .venv
+PY := $(VENV)/bin/python
+STAMP := $(VENV)/.installed
+# The first of these that is there, works, and is of a version that the package supports.
+PYTHONS := $(PYTHON) python3.11 python3.10 python3.12 python3 /usr/bin/python3
+
+export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
+
+.PHONY: run test test-faults bench install bags clean
+run: $(STAMP)
+	@out=runs/$$(date +%Y-%m-%d_%H-%M-%S); mkdir -p $$out; \
+	$(PY) -m wholearm_ros run --pacing lockstep --record $$out/bag --figures $$out/figures
+
+test: $(STAMP)
+	@$(PY) -m pytest -m "not faults" $(ARGS)
+
+test-faults: $(STAMP)
+	@$(PY) -m pytest -m faults $(ARGS)
+
+bench: $(STAMP)
+	@for script in benchmarks/*.py; do echo "== $$script"; $(PY) $$script || exit 1; done
+
+bags: $(STAMP)
+	@$(PY) bags/make_bags.py
+
+install: $(STAMP)
+
+$(STAMP): setup.py pyproject.toml
+	@python=; for p in $(PYTHONS); do \
+	  if "$$p" -c 'import sys, venv, ensurepip; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' 2>/dev/null; \
+	  then python=$$p; break; fi; done; \
+	if [ -z "$$python" ]; then echo "error: no working Python with venv among: $(PYTHONS)" \
+	  "(allowed: 3.10 to 3.13; set one with make PYTHON=/path/to/python)" >&2; exit 2; fi; \
+	echo "setting up $(VENV) with $$("$$python" --version) (once, a few minutes)"; \
+	[ -x $(PY) ] || "$$python" -m venv $${ROS_DISTRO:+--system-site-packages} $(VENV)
+	@$(PY) -m pip install -q --disable-pip-version-check -e '.[test]'
+	@$(PY) -c 'import pybullet' 2>/dev/null || { \
+	  echo "pybullet has no wheel for this Python: compiling it takes several minutes and needs g++ ..."; \
+	  ( while sleep 20; do echo "... still compiling pybullet"; done ) & waiting=$$!; \
+	  $(PY) -m pip install -q --disable-pip-version-check -e '.[pybullet]' || \
+	    echo "pybullet could not be installed: what needs it is left out, use --backend planar"; \
+	  kill $$waiting; }
+	@# An editable install leaves the ament files out; links, so that an edited config counts at once.
+	@share=$(VENV)/share/wholearm_ros index=$(VENV)/share/ament_index/resource_index/packages; \
+	mkdir -p $$share $$index $(VENV)/lib; \
+	for f in package.xml config launch; do ln -sfn $(CURDIR)/$$f $$share/$$f; done; \
+	ln -sfn $(CURDIR)/resource/wholearm_ros $$index/wholearm_ros; \
+	mkdir -p $(VENV)/lib/wholearm_ros; cp resource/executables/* $(VENV)/lib/wholearm_ros/
+	@echo "compiling the kernels (once) ..."; $(PY) -m wholearm_ros.kernels.warm
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build dist install log runs .hypothesis .pytest_cache .benchmarks *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
