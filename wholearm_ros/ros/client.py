@@ -6,6 +6,7 @@ import numpy as np
 import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from ..errors import WholeArmError
 from ..model.plan import ContactPlan
@@ -46,9 +47,10 @@ class Client:
         self._cancel = self.node.create_publisher(channels.CANCEL.type, channels.CANCEL.name, channels.CANCEL.qos)
         for topic, hear in ((channels.CONTACT_PLAN, self._on_plan), (channels.PLANNER_STATUS, self._on_planner),
                             (channels.MANIPULATION_TRAJECTORY, self._on_trajectory), (channels.MODE, self._on_mode),
-                            (channels.FEEDBACK, self._on_feedback), (channels.RESULT, self._on_result),
-                            (channels.OBJECT_POSE, self._on_pose)):
+                            (channels.FEEDBACK, self._on_feedback), (channels.RESULT, self._on_result)):
             self.node.create_subscription(topic.type, topic.name, hear, topic.qos)
+        deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.node.create_subscription(channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, self._on_pose, deep)
 
     def close(self):
         self.node.destroy_node()

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from ..errors import WholeArmError
 from ..model.scenario_file import load_scenario
+from .figures import figures_of
 from .launcher import RunOptions, RunReport, run_graph
 from .share import scenario_path
 
@@ -51,6 +52,8 @@ def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario 
                                       'waits for every command, the same result on any machine.'),
         seed: int = typer.Option(0, '--seed', min=0, help='Of everything drawn at random in planning.'),
         record: Optional[Path] = typer.Option(None, '--record', metavar='DIR', help='Record a bag; DIR is made.'),
+        figures: Optional[Path] = typer.Option(None, '--figures', metavar='DIR', help='Draw the run into DIR; needs '
+                                               '--record.'),
         storage: Storage = typer.Option(Storage.mcap, '--storage', help='Format of the bag.'),
         view: bool = typer.Option(False, '--view', help="PyBullet's window, where there is a screen."),
         rate: float = typer.Option(1000.0, '--rate', min=50.0, max=2000.0, help='Motor rate [Hz].'),
@@ -65,6 +68,8 @@ def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario 
     path = scenario_path(scenario).absolute()
     if record is not None and record.exists():
         raise WholeArmError(f'--record {record}: exists already; allowed: a directory that does not exist yet')
+    if figures is not None and record is None:
+        raise WholeArmError('--figures: they are drawn from the bag; allowed: together with --record DIR')
     _check_screen(view)
     options = RunOptions(str(path), pacing.value, seed, record and record.absolute(), storage.value, view, rate,
                          backend.value, search.value, transition.value)
@@ -80,6 +85,9 @@ def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario 
         out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
         raise typer.Exit(FAILED) from None
     show(report, options)
+    if figures is not None and report.judged is not None:
+        for path in figures_of(options.record, figures):
+            out.print(f'figure      {path}', soft_wrap=True)
     raise typer.Exit(OK if report.success else FAILED)
 
 
