@@ -9,6 +9,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from ..errors import WholeArmError
+from ..kernels.warm import warm
 from ..mechanics.contacts import close_finger
 from ..mechanics.world import build_world
 from ..model.hand import LEFT, RIGHT
@@ -123,7 +124,7 @@ def _plan(scenario, request, done):
 
 def make_node():
     node = ContactStatePlanner()
-    offer(scenario_of(node.parameters), Request(candidates=1, copies=0))  # no request pays for compiling
+    warm()  # no request pays for compiling
     return node
 
 

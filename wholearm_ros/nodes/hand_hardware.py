@@ -12,6 +12,8 @@ from ..model.hand import JOINT_NAMES
 from ..ros import channels
 from ..ros.declared import PACING, SCENARIO, scenario_of
 from ..ros.drive_guard import BRAKE, LIMP, DriveGuard
+from ..ros.frames import Frames
+from ..ros.markers import state_markers
 from ..ros.messages import NANOSECONDS, fill_joints, fill_pose, joint_message, pose_message, set_stamp, to_command
 from ..ros.node import ERROR, OK, WARN, WholeArmNode, run_node
 from ..ros.parameters import Declared
@@ -31,6 +33,7 @@ DECLARED = (
 FIRST_STAMP = NANOSECONDS  # of simulated time: zero means "no time yet" in ROS
 MOST_BEHIND = 3            # periods
 REPEAT_PERIOD = 0.05       # [s] between two sendings of one state while lockstep waits
+SHOW_PERIOD = 0.1          # [s] between two sendings of markers and transforms
 
 
 class HandHardware(WholeArmNode):
@@ -60,12 +63,14 @@ class HandHardware(WholeArmNode):
         self.object_pose = self.publisher(channels.OBJECT_POSE)
         self.description = self.publisher(channels.ROBOT_DESCRIPTION)
         self.description.publish(String(data=urdf(self.scenario)))
+        self.markers, self.frames = self.publisher(channels.MARKERS), Frames(self, self.scenario)
         self.clock = self.publisher(channels.CLOCK) if self.lockstep else None
         self.subscription(channels.JOINT_COMMANDS, self.on_command)
         self.service(channels.RESET, self.on_reset)
         self.states_message, self.clock_message = joint_message(JOINT_NAMES), Clock()
         self.pose_message = pose_message(self.clock_message.clock, self.hand.object_pose())
 
+        self.every(SHOW_PERIOD, self.show)
         if self.lockstep:
             self.every(REPEAT_PERIOD, self.repeat)
         else:
@@ -104,6 +109,14 @@ class HandHardware(WholeArmNode):
         with self.lock:
             if time.monotonic() - self.answered > REPEAT_PERIOD / 2:
                 self.publish_state(True)
+
+    def show(self):
+        """For RViz and Foxglove, at the pace of people."""
+        with self.lock:
+            now, pose, contacts = self.now, self.hand.object_pose(), self.hand.contacts()
+            angles, _ = self.hand.joints()
+        self.frames.publish(now, pose, angles)
+        self.markers.publish(state_markers(self.scenario, pose, contacts))
 
     def run_on_the_wall_clock(self):
         """Stamps advance by one period a step. When the thread comes late by more than a few periods, time slips:

@@ -9,6 +9,7 @@ from ..control.mode_switch import DONE, IDLE, STOPPED
 from ..model.plan import ContactPlan
 from ..ros import channels
 from ..ros.goals import ABORTED, CANCELED, CANCELING, EXECUTING, NAMES, SUCCEEDED, Goals
+from ..ros.markers import plan_markers
 from ..ros.messages import (NO_GOAL, NANOSECONDS, goal_id_of, goal_message, goal_name, goal_statuses, set_stamp,
                             status_message, to_goal_id, to_joint_trajectory, values_of)
 from ..ros.node import OK, WARN, WholeArmNode, run_node
@@ -32,6 +33,7 @@ class TrajectoryGenerator(WholeArmNode):
 
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
         self.manipulation_trajectory = self.publisher(channels.MANIPULATION_TRAJECTORY)
+        self.markers = self.publisher(channels.MARKERS)
         self.status = self.publisher(channels.GOAL_STATUS)
         self.feedback = self.publisher(channels.FEEDBACK)
         self.result = self.publisher(channels.RESULT)
@@ -51,6 +53,7 @@ class TrajectoryGenerator(WholeArmNode):
         now = self.get_clock().now().to_msg()
         self.joint_trajectory.publish(to_joint_trajectory(self.trajectory, now))
         self.manipulation_trajectory.publish(String(data=self.trajectory.to_json()))
+        self.markers.publish(plan_markers(plan.scenario, self.trajectory))
         self.get_logger().info(f'plan {plan.id[:8]}: trajectory of {self.trajectory.duration:.2f} s')
 
     def on_goal(self, message):

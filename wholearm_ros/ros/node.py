@@ -73,6 +73,10 @@ class WholeArmNode(Node):
     def parameters_changed(self):
         """After a set of parameters was accepted."""
 
+    def finished(self) -> bool:
+        """Whether the node has done what it was started for."""
+        return False
+
     def leave(self):
         """On the way out, while the middleware still works: make the hand safe, close files."""
 
@@ -95,7 +99,7 @@ def run_node(make_node, args=None, make_executor=EventsExecutor) -> int:
     executor = make_executor()
     executor.add_node(node)
     _raise_priority(node)
-    while not signalled.is_set():  # EventsExecutor.spin() would serve no timer
+    while not signalled.is_set() and not node.finished():  # EventsExecutor.spin() would serve no timer
         executor.spin_once(timeout_sec=SIGNAL_PERIOD)
     node.leave()
     rclpy.try_shutdown()

@@ -1,0 +1,54 @@
+"""The whole graph: `ros2 launch wholearm_ros wholearm.launch.py scenario:=regular_hexagon pacing:=lockstep record:=/tmp/bag`.
+
+The counterpart of `wholearm run`, for those who plan and send goals themselves.
+"""
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
+from launch.conditions import LaunchConfigurationNotEquals
+from launch.event_handlers import OnProcessExit
+from launch.events import Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+ARGUMENTS = (
+    ('scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'),
+    ('namespace', 'wholearm', 'of every node'),
+    ('pacing', 'realtime', 'realtime or lockstep'),
+    ('rate', '1000.0', 'of the motors [Hz]'),
+    ('backend', 'pybullet', 'pybullet or planar'),
+    ('view', 'false', "PyBullet's window"),
+    ('seed', '0', 'of everything drawn at random in planning'),
+    ('record', '', 'directory of a bag to record into; empty: none'),
+    ('storage', 'mcap', 'format of the bag: mcap or sqlite3'),
+)
+
+
+def generate_launch_description():
+    def text(name):
+        return ParameterValue(LaunchConfiguration(name), value_type=str)
+
+    def number(name, kind):
+        return ParameterValue(LaunchConfiguration(name), value_type=kind)
+
+    def node(executable, parameters, **more):
+        return Node(package='wholearm_ros', executable=executable, namespace=LaunchConfiguration('namespace'),
+                    output='screen', parameters=[parameters], **more)
+
+    scenario, pacing = {'scenario': text('scenario')}, {'pacing': text('pacing')}
+    rate = {'motor_rate': number('rate', float)}
+    nodes = [
+        node('hand_hardware', {**scenario, **pacing, **rate, 'backend': text('backend'), 'view': number('view', bool)}),
+        node('mode_switcher', pacing),
+        node('velocity_controller', scenario),
+        node('torque_controller', {**scenario, **rate}),
+        node('trajectory_generator', {}),
+        node('contact_state_planner', {**scenario, 'seed': number('seed', int)}),
+    ]
+    recorder = node('bag_recorder', {'path': text('record'), 'storage': text('storage')},
+                    condition=LaunchConfigurationNotEquals('record', ''))
+    # A graph with a node missing is of no use: all end with the first one that does.
+    watch = [RegisterEventHandler(OnProcessExit(target_action=n, on_exit=[EmitEvent(event=Shutdown(
+        reason='a node ended'))])) for n in nodes]
+    return LaunchDescription([*(DeclareLaunchArgument(name, default_value=value, description=told)
+                                for name, value, told in ARGUMENTS), *nodes, recorder, *watch])

@@ -1,0 +1,59 @@
+"""The main job on the real graph: plan, execute in lockstep, record; the same every time."""
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.ros import channels
+from wholearm_ros.ros.bag_reader import Bag, stamp_of
+from wholearm_ros.ros.bag_types import jazzy_typestore
+from wholearm_ros.ros.launcher import RunOptions, run_graph
+
+pytestmark = pytest.mark.timeout(280)
+
+
+def lockstep(config, name, **more):
+    path = config / f'{name}.yaml'
+    return run_graph(load_scenario(path), RunOptions(str(path), 'lockstep', **more), lambda *_: None)
+
+
+def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, tmp_path, domain):
+    report = lockstep(config, 'asymmetric_hexagon', record=tmp_path / 'bag')
+    assert report.success, report
+    assert abs(report.judged.angle_error) <= 0.03
+    with AnyReader([tmp_path / 'bag']) as reader:
+        counts = {c.topic: c.msgcount for c in reader.connections}
+        hashes = {c.msgtype: c.digest for c in reader.connections}
+    silent = {'trajectory_generator/cancel'}
+    for topic in channels.RECORDED:
+        name = topic.name if topic.name.startswith('/') else f'/wholearm/{topic.name}'
+        assert name in counts
+        assert counts[name] > 0 or topic.name in silent, name
+    store = jazzy_typestore()
+    assert all(digest == store.hash_rihs01(name) for name, digest in hashes.items())
+    with Bag(tmp_path / 'bag') as bag:
+        states = sorted({stamp_of(m) for m in bag.messages('joint_states')})
+        setpoints = sorted({stamp_of(m) for m in bag.messages('velocity_setpoint')})
+        commands = [stamp_of(m) for m in bag.messages('joint_commands')]
+    assert set(np.diff(states)) == {1_000_000}, 'a joint state is missing in the bag'
+    assert set(np.diff(setpoints)) == {1_000_000}
+    assert set(setpoints) == set(commands) and len(commands) >= 2 * len(setpoints)
+
+    again = lockstep(config, 'asymmetric_hexagon')
+    np.testing.assert_allclose(again.judged.pose, report.judged.pose, rtol=0, atol=1e-9)
+
+
+def test_the_regular_hexagon_at_500_hz_on_the_planar_stand_in(config, domain):
+    report = lockstep(config, 'regular_hexagon', rate=500.0, backend='planar', seed=3)
+    assert report.success, report
+
+
+def test_the_command_refuses_bad_input_and_leaves_nothing(tmp_path, domain):
+    bad = tmp_path / 'bad.yaml'
+    bad.write_text('object: {}')
+    done = subprocess.run([sys.executable, '-m', 'wholearm_ros', 'run', str(bad)], capture_output=True, text=True,
+                          timeout=60)
+    assert done.returncode == 2 and 'bad.yaml' in done.stderr

@@ -1,0 +1,135 @@
+"""Plays a bag back: its messages on their topics, with their timing, as the bytes that were recorded."""
+import importlib
+import sys
+import threading
+import time
+from pathlib import Path
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosbags.interfaces import QosDurability, QosReliability
+from rosgraph_msgs.msg import Clock
+
+from ..errors import BagError
+from ..ros import channels
+from ..ros.bag_reader import Bag
+from ..ros.messages import NANOSECONDS, set_stamp
+from ..ros.node import OK, WholeArmNode, run_node
+from ..ros.parameters import Declared
+
+DECLARED = (
+    Declared('path', '', 'directory of the bag'),
+    Declared('rate', 1.0, 'factor on the speed', 0.001, 1000.0),
+    Declared('start', 0.0, 'offset into the bag at which to begin; the newest latched message of before is sent first [s]',
+             0.0, 1e6),
+    Declared('topics', [''], 'ends of the names of the topics to play; empty: all'),
+    Declared('clock', 0.0, 'rate of /clock in the time of the bag [Hz]; 0: none (a recorded /clock is played as it is)',
+             0.0, 10000.0),
+    Declared('wait_for_subscribers', 0.0, 'for as long as there is a topic without, at most [s]', 0.0, 600.0),
+    Declared('stay', False, 'keep latched topics after the end'),
+)
+PIECE = 0.1  # [s] longest sleep, so that a signal is heard
+
+
+class BagPlayer(WholeArmNode):
+    """bag → topics."""
+
+    def __init__(self):
+        super().__init__('bag_player', DECLARED)
+        p, self.played, self.done, self.leaving = self.parameters, 0, False, False
+        self.bag = Bag(Path(p.path)).__enter__()
+        ends = [t for t in p.topics if t]
+        self.connections = [c for c in self.bag.connections
+                            if not ends or any(c.topic == e or c.topic.endswith('/' + e) for e in ends)]
+        if not self.connections:
+            raise BagError(f'topics: none of {ends} is in the bag; allowed: {[c.topic for c in self.bag.connections]}')
+        self.outlets = {c.id: self.create_publisher(message_class(c.msgtype), c.topic, qos_of(c)) for c in self.connections}
+        self.latched = {c.id for c in self.connections if is_latched(c)}
+        self.clock = self.publisher(channels.CLOCK) if p.clock else None
+        self.thread = threading.Thread(target=self.play, daemon=True)
+        self.thread.start()
+
+    def play(self):
+        self.wait_for_subscribers()
+        begin = self.bag.start + round(self.parameters.start * NANOSECONDS)
+        held, origin = {}, None
+        for connection, at, data in self.bag.raw(self.connections):
+            if at < begin:
+                if connection.id in self.latched:
+                    held[connection.id] = data
+                continue
+            if origin is None:
+                origin = time.monotonic_ns()
+                for key, old in held.items():
+                    self.outlets[key].publish(old)
+            if not self.sleep_until(begin, at, origin):
+                return
+            self.outlets[connection.id].publish(bytes(data))
+            self.played += 1
+        self.done = True
+        self.get_logger().info(f'played {self.played} messages')
+
+    def sleep_until(self, begin: int, at: int, origin: int) -> bool:
+        """Until the time of the bag is `at` [ns]; False when the node leaves meanwhile."""
+        rate, now = self.parameters.rate, begin
+        while not self.leaving:
+            now = begin + round((time.monotonic_ns() - origin) * rate)
+            step = (at - now) / NANOSECONDS / rate
+            if step <= 0:
+                return True
+            if self.clock:
+                self.publish_clock(now)
+                step = min(step, 1.0 / self.parameters.clock / rate)
+            time.sleep(min(step, PIECE))
+        return False
+
+    def publish_clock(self, now: int):
+        message = Clock()
+        set_stamp(message.clock, now)
+        self.clock.publish(message)
+
+    def wait_for_subscribers(self):
+        deadline = time.monotonic() + self.parameters.wait_for_subscribers
+        while time.monotonic() < deadline and not self.leaving:
+            if all(outlet.get_subscription_count() for outlet in self.outlets.values()):
+                return
+            time.sleep(0.01)
+
+    def finished(self) -> bool:
+        return self.done and not self.parameters.stay
+
+    def health(self):
+        return OK, 'done' if self.done else 'playing', {'path': self.parameters.path, 'messages': self.played}
+
+    def leave(self):
+        self.leaving = True
+        self.thread.join(0.5)
+
+
+def message_class(name: str) -> type:
+    """The class of 'std_msgs/msg/String'."""
+    package, kind, message = name.split('/')
+    try:
+        return getattr(importlib.import_module(f'{package}.{kind}'), message)
+    except (ImportError, AttributeError) as error:
+        raise BagError(f'message type {name}: not installed here') from error
+
+
+def is_latched(connection) -> bool:
+    return any(q.durability == QosDurability.TRANSIENT_LOCAL for q in connection.ext.offered_qos_profiles)
+
+
+def qos_of(connection) -> QoSProfile:
+    """As the bag says it was offered, but deep: nothing shall be lost on the way."""
+    best_effort = any(q.reliability == QosReliability.BEST_EFFORT for q in connection.ext.offered_qos_profiles)
+    return QoSProfile(depth=1 if is_latched(connection) else 1000,
+                      reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+                      durability=DurabilityPolicy.TRANSIENT_LOCAL if is_latched(connection)
+                      else DurabilityPolicy.VOLATILE)
+
+
+def main():
+    sys.exit(run_node(BagPlayer))
+
+
+if __name__ == '__main__':
+    main()
