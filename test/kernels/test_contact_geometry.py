@@ -1,0 +1,152 @@
+"""Contact pairs, gaps, rows and the gap table against plain half-plane geometry and finite differences."""
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_geometry import finger_features, finger_outline, gap_of, object_outline, outside
+from problems import ASYMMETRIC, random_configuration, scenarios, worlds
+
+from wholearm_ros.kernels import geometry
+from wholearm_ros.mechanics.contacts import contact_rows, gap_table, start_configuration
+from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.convex import separation
+from wholearm_ros.model.hand import LEFT, RIGHT
+
+STEP = 1e-6  # [m, rad] of the finite differences
+
+
+def cases(seed, count):
+    return list(worlds(np.random.default_rng(seed), count))
+
+
+@pytest.mark.parametrize('kind', [geometry.VERTEX_EDGE, geometry.EDGE_CORNER])
+@pytest.mark.parametrize('body', [geometry.PALM, geometry.LEFT_FINGER, geometry.RIGHT_FINGER])
+def test_a_pair_code_gives_back_what_it_was_made_of(kind, body):
+    for hand in (0, 3, 200):
+        for mine in (0, 7, 255):
+            code = geometry.pair_code(kind, body, hand, mine)
+            assert (geometry.pair_kind(code), geometry.pair_body(code)) == (kind, body)
+            assert (geometry.pair_hand_feature(code), geometry.pair_object_feature(code)) == (hand, mine)
+
+
+def test_gaps_of_pairs_are_heights_above_the_opposite_edge():
+    """Every pair that the table names, at 60 random configurations."""
+    checked = 0
+    for scenario, world, q in cases(1, 60):
+        _, codes = gap_table(world, q)
+        _, gaps = contact_rows(world, codes, q)
+        np.testing.assert_allclose(gaps, [gap_of(scenario, c, q) for c in codes], atol=1e-14)
+        checked += len(codes)
+    assert checked > 1000
+
+
+def test_rows_are_the_gradients_of_the_gaps():
+    """rows = ∂gap/∂q by central differences: G_nᵀ and −J_n of eq. (1)."""
+    for scenario, world, q in cases(2, 40):
+        _, codes = gap_table(world, q)
+        rows, _ = contact_rows(world, codes, q)
+        for j, step in enumerate(STEP * np.eye(5)):
+            slope = [(gap_of(scenario, c, q + step) - gap_of(scenario, c, q - step)) / (2 * STEP) for c in codes]
+            np.testing.assert_allclose(rows[:, j], slope, atol=1e-8)
+
+
+def test_sliding_rows_are_the_velocity_of_the_object_past_the_hand():
+    """tangent_rows @ q̇ is the velocity of the object's material point less the hand's, along the normal turned by +90°."""
+    rng = np.random.default_rng(3)
+    for scenario, world, q in cases(3, 40):
+        _, codes = gap_table(world, q)
+        rows = np.empty((len(codes), 5))
+        geometry.tangent_rows(*world.geometry, codes, q, rows)
+        rate = rng.normal(size=5)
+        for row, code in zip(rows, codes):
+            px, py, nx, ny, *_ = geometry.contact(*world.geometry, code, q)
+            body = geometry.pair_body(code)
+            mine = rate[:2] + rate[2] * np.array([-(py - q[1]), px - q[0]])
+            if body > 0:
+                axis = scenario.hand[body - 1].axis
+                mine = mine - rate[2 + body] * np.array([-(py - axis[1]), px - axis[0]])
+            assert row @ rate == pytest.approx(mine @ [-ny, nx], abs=1e-12)
+
+
+def test_the_gap_table_is_the_largest_height_over_the_opposite_outline():
+    """Vertices against fingers and hand corners against the object by half planes; against the palm beside its extent: inf."""
+    for scenario, world, q in cases(4, 60):
+        gaps, codes = gap_table(world, q)
+        mine, expected = object_outline(scenario, q), []
+        palm = scenario.palm.vertices
+        for a, b in zip(palm[:-1], palm[1:]):
+            d = (b - a) / np.linalg.norm(b - a)
+            for v in mine:
+                along = (v - a) @ d
+                inside = 0.0 <= along <= np.linalg.norm(b - a)
+                expected.append(d[0] * (v - a)[1] - d[1] * (v - a)[0] if inside else np.inf)
+        for side in (LEFT, RIGHT):
+            expected.extend(outside(v, finger_outline(scenario, side, q[3 + side])) for v in mine)
+        for side in (LEFT, RIGHT):
+            features = finger_features(scenario, side, q[3 + side])
+            expected.extend(outside(features[c], mine) for c in ('inner_corner', 'outer_corner'))
+        expected.extend(outside(palm[k], mine) for k in world.corners)
+        np.testing.assert_allclose(gaps, expected, atol=1e-14)
+        assert len(codes) == geometry.table_size(world.obj, world.palm, world.corners)
+
+
+def test_every_entry_of_the_table_knows_its_place():
+    for _, world, q in cases(5, 20):
+        _, codes = gap_table(world, q)
+        assert [geometry.entry_of(world.obj, world.palm, world.corners, c) for c in codes] == list(range(len(codes)))
+
+
+def test_what_a_separating_axis_keeps_apart_is_apart_in_the_table():
+    """Outlines that are apart have positive gaps only, and the clearance is the least of them."""
+    apart = 0
+    for scenario, world, q in cases(6, 300):
+        for side in (LEFT, RIGHT):
+            least = geometry.finger_clearance(world.obj, world.fingers, side, q[3 + side], q[0], q[1],
+                                              np.cos(q[2]), np.sin(q[2]))
+            gaps, codes = gap_table(world, q)
+            own = np.array([geometry.pair_body(c) == 1 + side for c in codes])
+            assert least == gaps[own].min()
+            distance = separation(object_outline(scenario, q), finger_outline(scenario, side, q[3 + side]))
+            if distance > 0.0:
+                apart += 1
+                assert least > 0.0
+    assert apart > 100
+
+
+@given(scenarios())
+@settings(max_examples=25)
+def test_a_finger_closes_until_it_touches_and_no_further(scenario):
+    """At the closing angle the outlines are apart by nothing; at 80 angles on the way there they are apart by something."""
+    world, q = build_world(scenario), start_configuration(scenario)
+    mine = object_outline(scenario, q)
+    for side in (LEFT, RIGHT):
+        closing = geometry.closing_angle(world.obj, world.fingers, world.limits, side, *q[:3])
+        opened = world.limits[side, 1 if side == LEFT else 0]
+        assert abs(separation(mine, finger_outline(scenario, side, closing))) < 1e-9
+        for angle in np.linspace(opened, closing, 80, endpoint=False):
+            assert separation(mine, finger_outline(scenario, side, angle)) > 0.0
+
+
+def test_a_finger_that_touches_nothing_or_touches_when_open_has_no_closing_angle():
+    world = build_world(ASYMMETRIC)
+    far = geometry.closing_angle(world.obj, world.fingers, world.limits, LEFT, 0.0, 3.0, 0.0)
+    on_it = geometry.closing_angle(world.obj, world.fingers, world.limits, LEFT, -0.25, -0.02, 0.0)
+    assert np.isnan(far) and np.isnan(on_it)
+
+
+@given(st.integers(0, 2 ** 32 - 1))
+@settings(max_examples=50)
+def test_a_gap_does_not_change_when_object_and_finger_turn_together_about_the_finger_axis(seed):
+    """Gaps are relative: turning object and finger as one about the finger's axis keeps every gap between them."""
+    rng = np.random.default_rng(seed)
+    (scenario, world, q), = worlds(rng, 1)
+    q, turn, side = random_configuration(rng), rng.uniform(-1.0, 1.0), int(rng.integers(2))
+    axis = scenario.hand[side].axis
+    c, s = np.cos(turn), np.sin(turn)
+    moved = q.copy()
+    moved[:2] = axis + np.array([[c, -s], [s, c]]) @ (q[:2] - axis)
+    moved[2] += turn
+    moved[3 + side] += turn
+    gaps, codes = gap_table(world, q)
+    own = [k for k, code in enumerate(codes) if geometry.pair_body(code) == 1 + side]
+    np.testing.assert_allclose(gap_table(world, moved)[0][own], gaps[own], atol=1e-13)

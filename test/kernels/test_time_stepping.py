@@ -1,0 +1,232 @@
+"""Time stepping: the complementarity problem, impacts, energy, momentum, and the loops that step."""
+from itertools import combinations
+
+import numpy as np
+import pytest
+from problems import ASYMMETRIC, HEPTAGON, worlds
+
+from wholearm_ros.kernels import geometry, stepping
+from wholearm_ros.mechanics.contacts import gap_table, start_configuration
+from wholearm_ros.mechanics.world import build_world
+
+H = 0.001  # [s]
+
+
+def work_of(world):
+    size = geometry.table_size(world.obj, world.palm, world.corners)
+    return np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_)
+
+
+def one_step(world, q, v, efforts=(0.0, 0.0), friction=0.0, load=None, moment=None, work=None):
+    """(q, v, closed, residual) after one step; q and v are copied."""
+    q, v = q.copy(), v.copy()
+    closed, residual = stepping.step(
+        *world.geometry, world.corners, world.inertias, world.load if load is None else load,
+        world.finger_moment if moment is None else moment, friction, np.asarray(efforts, float), H, q, v, work or work_of(world))
+    return q, v, closed, residual
+
+
+def free_configurations(seed, count, clearance=1e-6):
+    """(world, q, v): nothing penetrates, something is near."""
+    rng, made = np.random.default_rng(seed), 0
+    for scenario, world, _ in worlds(rng, 100 * count):
+        q = start_configuration(scenario, world) if len(scenario.palm.vertices) == 2 else None
+        if q is None:
+            continue
+        q[1] += rng.uniform(0.0, 0.001)
+        q[2] += rng.uniform(-0.01, 0.01)
+        q[3] += rng.uniform(0.0, 0.01)
+        q[4] -= rng.uniform(0.0, 0.01)
+        if gap_table(world, q)[0].min() > clearance:
+            yield world, q, rng.normal(size=5) * [0.3, 0.3, 3.0, 3.0, 3.0]
+            made += 1
+        if made == count:
+            return
+
+
+def enumerated(a, b):
+    """w = a z + b of the LCP by trying every active set: unique for a positive semidefinite."""
+    k = len(b)
+    for size in range(k + 1):
+        for active in map(list, combinations(range(k), size)):
+            z = np.zeros(k)
+            z[active] = np.linalg.lstsq(a[np.ix_(active, active)], -b[active], rcond=None)[0]
+            w = a @ z + b
+            if z.min() >= -1e-10 and w.min() >= -1e-10 and np.abs(w[active]).max(initial=0.0) < 1e-9:
+                return w
+    return None
+
+
+# ---------------------------------------------------------------------- the complementarity problem
+@pytest.mark.parametrize('rank', [2, 3, 5])
+def test_complementarity_problems_are_solved_to_1e_9(rank):
+    """z ≥ 0 ⟂ a z + b ≥ 0 on positive semidefinite a = r rᵀ of any rank, b = r c + d with d ≥ 0 (so that there is a solution)."""
+    rng = np.random.default_rng(20 + rank)
+    for _ in range(300):
+        k = int(rng.integers(1, 9))
+        r = rng.normal(size=(k, rank))
+        a, b = r @ r.T, r @ rng.normal(size=rank) + rng.uniform(0.0, 0.2, k) * (rng.random(k) < 0.5)
+        z = np.empty(k)
+        guess = rng.random(k) < 0.4
+        assert stepping.solve_lcp(a, b, guess, z) <= 1e-9
+        w = a @ z + b
+        assert z.min() >= -1e-9 and w.min() >= -1e-9 and abs(z @ w) < 1e-8
+
+
+def test_the_solution_is_the_one_that_trying_all_active_sets_finds():
+    rng = np.random.default_rng(24)
+    for _ in range(60):
+        k = int(rng.integers(1, 6))
+        r = rng.normal(size=(k, 5))
+        a, b, z = r @ r.T, r @ rng.normal(size=5), np.empty(k)
+        stepping.solve_lcp(a, b, np.zeros(k, np.bool_), z)
+        np.testing.assert_allclose(a @ z + b, enumerated(a, b), atol=1e-8)
+
+
+def test_the_residual_sees_a_wrong_answer():
+    a, b = np.eye(2), np.array([-1.0, 1.0])
+    assert stepping.lcp_residual(a, b, np.array([1.0, 0.0])) == 0.0
+    assert stepping.lcp_residual(a, b, np.array([0.5, 0.0])) == pytest.approx(0.5)
+    assert stepping.lcp_residual(a, b, np.array([1.0, -0.2])) == pytest.approx(0.2)
+
+
+# ---------------------------------------------------------------------- one step
+def test_a_step_is_gauss_principle():
+    """v⁺ is nearest (in the mass metric) to the free velocity among those that do not penetrate: compared with the LCP of
+    all pairs near, its active sets tried one by one."""
+    for world, q, v in free_configurations(30, 40):
+        free = v - H * np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])]) / world.inertias
+        gaps, codes = gap_table(world, q)
+        near = gaps < stepping.NEAR
+        rows = np.empty((near.sum(), 5))
+        geometry.normal_rows(*world.geometry, codes[near], q, rows, np.empty(near.sum()))
+        w = enumerated(rows / world.inertias @ rows.T, rows @ free + gaps[near] / H)
+        _, after, _, residual = one_step(world, q, v)
+        assert residual <= 1e-9
+        np.testing.assert_allclose(rows @ after + gaps[near] / H, w, atol=1e-6)
+
+
+def test_impulses_push_and_only_where_contacts_close():
+    """M (v⁺ − v_free) is a non-negative combination of the rows of pairs that end the step closed: complementarity."""
+    hits = 0
+    for world, q, v in free_configurations(31, 60):
+        free = v - H * np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])]) / world.inertias
+        work = work_of(world)
+        _, after, closed, _ = one_step(world, q, v, work=work)
+        gaps, codes, active = work
+        assert closed == active.sum()
+        if not closed:
+            np.testing.assert_allclose(after, free, atol=1e-12)
+            continue
+        hits += 1
+        rows = np.empty((closed, 5))
+        geometry.normal_rows(*world.geometry, codes[active], q, rows, np.empty(closed))
+        np.testing.assert_allclose(rows @ after + gaps[active] / H, 0.0, atol=1e-9)
+        impulses = np.linalg.lstsq(rows.T, world.inertias * (after - free), rcond=None)[0]
+        np.testing.assert_allclose(rows.T @ impulses, world.inertias * (after - free), atol=1e-12)
+        if np.linalg.matrix_rank(rows) == closed:
+            assert impulses.min() >= -1e-12
+    assert hits > 20
+
+
+def test_no_step_without_load_adds_kinetic_energy():
+    """From any state that does not penetrate, without and with friction."""
+    for world, q, v in free_configurations(32, 60):
+        for friction in (0.0, 0.1):
+            _, after, _, _ = one_step(world, q, v, friction=friction, load=np.zeros(5), moment=np.zeros(2))
+            assert world.inertias @ after ** 2 <= world.inertias @ v ** 2 * (1.0 + 1e-12)
+
+
+def test_a_motion_without_load_never_gains_energy():
+    """0.5 s of an object rattling between heavy fingers: from step to step by no more than the penetration given back."""
+    world = build_world(HEPTAGON)
+    for seed in range(4):
+        q, work = start_configuration(HEPTAGON), work_of(world)
+        v = np.random.default_rng(seed).normal(size=5) * [0.2, 0.2, 3.0, 1.0, 1.0]
+        levels = [world.inertias @ v ** 2 / 2]
+        for _ in range(500):
+            q, v, _, _ = one_step(world, q, v, load=np.zeros(5), moment=np.zeros(2), work=work)
+            levels.append(world.inertias @ v ** 2 / 2)
+        assert np.diff(levels).max() < 1e-6 * levels[0] and levels[-1] < levels[0]
+
+
+def test_free_fall_loses_exactly_what_a_step_of_the_integrator_loses():
+    """m g² h² / 2 a step: semi-implicit Euler, and no more."""
+    world = build_world(ASYMMETRIC)
+    q, v = np.array([0.0, 3.0, 0.3, 1.5, 1.5]), np.array([0.1, 0.2, 1.0, 0.0, 0.0])
+    m, g = ASYMMETRIC.object.mass, ASYMMETRIC.gravity.in_plane
+    after_q, after_v, closed, _ = one_step(world, q, v)
+    before = m * (v[:2] @ v[:2]) / 2 + m * g * q[1]
+    after = m * (after_v[:2] @ after_v[:2]) / 2 + m * g * after_q[1]
+    assert closed == 0 and after - before == pytest.approx(-m * g * g * H * H / 2, rel=1e-6)
+
+
+def test_the_palm_takes_no_horizontal_momentum():
+    """An object that slides and tumbles on the level palm keeps m v_x; its angular momentum in flight, too."""
+    world = build_world(ASYMMETRIC)
+    q = start_configuration(ASYMMETRIC)
+    q[1], q[3], q[4] = q[1] + 0.02, 3.0, 0.1
+    v, work = np.array([0.05, 0.0, 2.0, 0.0, 0.0]), work_of(world)
+    met = 0
+    for _ in range(300):
+        efforts = world.finger_moment * np.cos(q[3:])
+        q, v, closed, _ = one_step(world, q, v, efforts=efforts, work=work)
+        met += closed > 0
+        assert v[0] == pytest.approx(0.05, abs=1e-12)
+        if not met:
+            assert v[2] == pytest.approx(2.0, abs=1e-12)
+    assert met > 10
+
+
+def test_contact_forces_between_object_and_finger_are_equal_and_opposite():
+    """With nothing else near, the object's momentum times the lever is what the finger loses, about the finger's axis."""
+    world = build_world(ASYMMETRIC)
+    q = start_configuration(ASYMMETRIC)
+    q[1] += 0.01
+    q[4] = 0.1
+    q[3] = geometry.closing_angle(world.obj, world.fingers, world.limits, 0, *q[:3])
+    v = np.array([-0.2, 0.0, 0.0, -1.0, 0.0])
+    _, after, closed, _ = one_step(world, q, v, load=np.zeros(5), moment=np.zeros(2))
+    assert closed >= 1
+
+    def about_axis(rate):
+        p = world.inertias[:2] * rate[:2]
+        arm = q[:2] - world.fingers[0, :2]
+        return arm[0] * p[1] - arm[1] * p[0] + world.inertias[2] * rate[2] + world.inertias[3] * rate[3]
+    assert about_axis(after) == pytest.approx(about_axis(v), abs=1e-12)
+
+
+# ---------------------------------------------------------------------- the loop that steps
+def test_the_compiled_loop_is_stepping_with_pd_delay_and_clipping():
+    """run_trajectory against the same loop in plain Python: 0.2 s, 2 ms of delay, motors 3 % weak, both fingers' roles."""
+    world, kp, kd, delay = build_world(ASYMMETRIC), 60.0, 1.5, 2
+    start = start_configuration(ASYMMETRIC)
+    t = np.linspace(0.0, 0.2, 51)
+    angles = start[3:] + np.column_stack([-0.2 * t, 0.1 * t])
+    rates = np.tile([-0.2, 0.1], (51, 1))
+    efforts = world.finger_moment * np.cos(angles) + [-0.5, 0.5]
+    sides, gain = np.where(t < 0.1, 0, 1), np.array([0.97, 1.0])
+    q, v = start.copy(), np.zeros(5)
+    record = np.empty((12, 5)), np.empty((12, 5))
+    count, residual = stepping.run_trajectory(
+        *world.geometry, world.corners, world.inertias, world.load, world.finger_moment, world.torque_limits, 0.02, gain,
+        delay, kp, kd, H, 0.004, angles, rates, efforts, sides, 0, q, v, 20, *record)
+
+    mine, speed, work, past = start.copy(), np.zeros(5), work_of(world), []
+    seen = []
+    for n in range(200):
+        if n % 20 == 0:
+            seen.append(mine.copy())
+        s = n * H
+        i = min(int(n * H / 0.004), 49)
+        u = n * H / 0.004 - i
+        side = sides[i] if u <= 0.999999 else sides[i + 1]
+        wanted, rate = start[3 + side] + (-0.2, 0.1)[side] * s, (-0.2, 0.1)[side]
+        asked = (1 - u) * efforts[i] + u * efforts[i + 1]
+        asked[side] += kp * (wanted - mine[3 + side]) + kd * (rate - speed[3 + side])
+        past.append(np.clip(asked, -world.torque_limits, world.torque_limits))
+        applied = gain * past[max(n - delay, 0)]  # until the first command can have come, it is there already
+        mine, speed, _, _ = one_step(world, mine, speed, efforts=applied, friction=0.02, work=work)
+    assert count == 11 and residual <= 1e-9
+    np.testing.assert_allclose(record[0][:10], seen, atol=1e-6)
+    np.testing.assert_allclose(q, mine, atol=1e-6)
