@@ -1,5 +1,6 @@
 """A graph of real node processes in a DDS domain of its own, and a client in it."""
-import importlib.util
+import itertools
+import os
 import time
 from pathlib import Path
 
@@ -71,20 +72,19 @@ class Graph:
         self.processes.stop()
 
 
-def _fresh_domain():
-    spec = importlib.util.spec_from_file_location('shared', Path(__file__).parents[1] / 'conftest.py')
-    shared = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(shared)
-    return shared
+_domains = itertools.count(os.getpid() * 7)
 
 
-_shared = _fresh_domain()
+@pytest.fixture(scope='session')
+def config() -> Path:
+    """The directory of the shipped scenarios."""
+    return Path(__file__).parents[2] / 'config'
 
 
 @pytest.fixture
 def domain(monkeypatch):
-    """ROS_DOMAIN_ID of this test."""
-    value = _shared.fresh_domain()
+    """ROS_DOMAIN_ID of this test, of 0 to 101, the first ten left to people."""
+    value = str(10 + next(_domains) % 92)
     monkeypatch.setenv('ROS_DOMAIN_ID', value)
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     return value

@@ -22,7 +22,7 @@ def lockstep(config, name, **more):
 
 def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, tmp_path, domain):
     report = lockstep(config, 'asymmetric_hexagon', record=tmp_path / 'bag')
-    assert report.success, report
+    assert report.success, (report.message, report.result, report.judged)
     assert abs(report.judged.angle_error) <= 0.03
     with AnyReader([tmp_path / 'bag']) as reader:
         counts = {c.topic: c.msgcount for c in reader.connections}
@@ -40,7 +40,7 @@ def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, 
         commands = [stamp_of(m) for m in bag.messages('joint_commands')]
     assert set(np.diff(states)) == {1_000_000}, 'a joint state is missing in the bag'
     assert set(np.diff(setpoints)) == {1_000_000}
-    assert set(setpoints) == set(commands) and len(commands) >= 2 * len(setpoints)
+    assert set(setpoints) <= set(commands) and len(commands) >= 2 * len(setpoints)
 
     again = lockstep(config, 'asymmetric_hexagon')
     np.testing.assert_allclose(again.judged.pose, report.judged.pose, rtol=0, atol=1e-9)
@@ -48,7 +48,7 @@ def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, 
 
 def test_the_regular_hexagon_at_500_hz_on_the_planar_stand_in(config, domain):
     report = lockstep(config, 'regular_hexagon', rate=500.0, backend='planar', seed=3)
-    assert report.success, report
+    assert report.success, (report.message, report.result, report.judged)
 
 
 def test_the_command_refuses_bad_input_and_leaves_nothing(tmp_path, domain):

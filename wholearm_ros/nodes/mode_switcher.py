@@ -1,6 +1,7 @@
 """Leads both fingers along the trajectory of the goal that executes: a setpoint for each controller, for every joint state."""
 import sys
 import time
+from dataclasses import replace
 
 from action_msgs.msg import GoalStatus
 from std_msgs.msg import String
@@ -12,17 +13,18 @@ from ..ros.declared import HANDOVER, MAX_TRACKING_ERROR, PACING, RAMP, switch_op
 from ..ros.execution import Execution, jumped
 from ..ros.messages import (fill_effort, fill_velocity_setpoint, goal_id_of, goal_name, joint_message, to_joints,
                             to_nanoseconds)
-from ..ros.node import ERROR, OK, WholeArmNode, run_node
+from ..ros.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode, run_node
 from ..ros.parameters import Declared
 
 DECLARED = (
-    PACING, RAMP, HANDOVER, MAX_TRACKING_ERROR,
+    PACING, RAMP, HANDOVER, MAX_TRACKING_ERROR, replace(DIAGNOSTICS_RATE, default=10.0),
     Declared('settle', 0.5, 'how long the end is held before the mode says done [s]', 0.0, 60.0),
     Declared('start_tolerance', 0.05, 'of both angles from the start of a trajectory [rad]', 1e-4, 1.0),
     Declared('joint_states_timeout', 0.1, 'without joint states beyond which a run stops; in lockstep at least 10 [s]',
              0.002, 600.0),
 )
-WATCH_PERIOD = 0.01  # [s]
+WATCH_PERIOD = 0.01        # [s]
+CONTROLLERS_WITHIN = 5.0   # [s] after a goal, both must listen to their setpoints
 NO_NAMES = ('',)
 
 
@@ -65,8 +67,8 @@ class ModeSwitcher(WholeArmNode):
     def on_status(self, message):
         for status in message.status_list:
             goal = (goal_name(goal_id_of(status.goal_info)), to_nanoseconds(status.goal_info.stamp))
-            if status.status == GoalStatus.STATUS_EXECUTING and goal != self.last_goal and not self.running():
-                self.wanted = goal
+            if status.status == GoalStatus.STATUS_EXECUTING and goal not in (self.last_goal, self.wanted) and not self.running():
+                self.wanted, self.wanted_since = goal, time.monotonic()
             if status.status == GoalStatus.STATUS_CANCELING and goal in (self.last_goal, self.wanted):
                 self.stop('canceled')
 
@@ -75,14 +77,17 @@ class ModeSwitcher(WholeArmNode):
         self.read_trajectory()
         if self.trajectory is None or self.trajectory.plan_id != self.wanted[0]:
             return
+        if not (self.velocity_setpoint.get_subscription_count() and self.torque_setpoint.get_subscription_count()):
+            if time.monotonic() - self.wanted_since > CONTROLLERS_WITHIN:
+                self.last_goal, self.wanted = self.wanted, None
+                self.give_up('no controller listens to the setpoints')
+            return
         self.last_goal, self.wanted = self.wanted, None
         self.execution = Execution(self.trajectory, switch_options_of(self.parameters), self.parameters.settle)
         off = float(abs(self.joints.angles - self.trajectory.angles[0]).max())
         if not off <= self.parameters.start_tolerance:
             self.give_up(f'fingers are {off:.3f} rad from the start of the trajectory; '
                          f'allowed: {self.parameters.start_tolerance}')
-        elif not (self.velocity_setpoint.get_subscription_count() and self.torque_setpoint.get_subscription_count()):
-            self.give_up('no controller listens to the setpoints')
 
     def on_joints(self, message):
         stamp, joints = to_joints(message)

@@ -8,7 +8,7 @@ from std_msgs.msg import String
 from ..control.mode_switch import DONE, IDLE, STOPPED
 from ..model.plan import ContactPlan
 from ..ros import channels
-from ..ros.goals import ABORTED, CANCELED, CANCELING, EXECUTING, NAMES, SUCCEEDED, Goals
+from ..ros.goals import ABORTED, ACCEPTED, CANCELED, CANCELING, EXECUTING, NAMES, SUCCEEDED, Goals
 from ..ros.markers import plan_markers
 from ..ros.messages import (NO_GOAL, NANOSECONDS, goal_id_of, goal_message, goal_name, goal_statuses, set_stamp,
                             status_message, to_goal_id, to_joint_trajectory, values_of)
@@ -28,7 +28,7 @@ class TrajectoryGenerator(WholeArmNode):
 
     def __init__(self):
         super().__init__('trajectory_generator', DECLARED)
-        self.goals, self.trajectory, self.plan_id = Goals(), None, None
+        self.goals, self.trajectory, self.plan_id, self.mode, self.ran = Goals(), None, None, '', False
         self.heard, self.said, self.last_word, self.last_stamp = 0.0, {}, None, 0
 
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
@@ -69,10 +69,8 @@ class TrajectoryGenerator(WholeArmNode):
             set_stamp(info.stamp, self.last_stamp)
             self.goals.accept(info)
             self.publish_status()
-            self.heard, self.last_word, self.said = time.monotonic(), None, {}
-            self.goals.move(EXECUTING)
-            self.publish_status()
-            self.get_logger().info(f'executing plan {goal_name(goal)[:8]}')
+            self.heard, self.last_word, self.said, self.ran = time.monotonic(), None, {}, False
+            self.watch()
 
     def reject(self, goal: bytes, reason: str):
         self.get_logger().warning(f'goal rejected: {reason}')
@@ -86,8 +84,12 @@ class TrajectoryGenerator(WholeArmNode):
             self.publish_status()
 
     def on_mode(self, message):
-        self.heard = time.monotonic()
-        if self.goals.active and message.data in (DONE, STOPPED, IDLE) and not self.last_word:
+        self.heard, self.mode = time.monotonic(), message.data
+        if not self.goals.active:
+            return
+        if message.data not in (DONE, STOPPED, IDLE):
+            self.ran = True
+        elif not self.last_word and (self.ran or message.data == STOPPED):
             self.last_word = message.data, time.monotonic()
 
     def on_diagnostics(self, message):
@@ -107,10 +109,14 @@ class TrajectoryGenerator(WholeArmNode):
         if not self.goals.active:
             return
         now = time.monotonic()
+        if self.goals.active.status == ACCEPTED and self.mode:  # a mode switcher is there
+            self.goals.move(EXECUTING)
+            self.publish_status()
+            self.get_logger().info(f'executing plan {goal_name(goal_id_of(self.goals.active.info))[:8]}')
         if self.last_word and now - self.last_word[1] > AFTERWORD:
             self.conclude(self.last_word[0], self.goals.active.status == CANCELING)
-        elif now - self.heard > self.parameters.switcher_timeout or not self.count_publishers(channels.MODE.name):
-            self.end(ABORTED, 'the mode switcher is gone')
+        elif now - self.heard > self.parameters.switcher_timeout:
+            self.end(ABORTED, f'nothing from the mode switcher for {self.parameters.switcher_timeout} s')
 
     def conclude(self, mode: str, canceling: bool):
         if mode == DONE:

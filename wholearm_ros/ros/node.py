@@ -31,7 +31,7 @@ class WholeArmNode(Node):
     def __init__(self, name: str, declared):
         super().__init__(name, namespace=channels.NAMESPACE)
         self.refused = 0  # messages
-        self.parameters = Parameters(self, (*declared, DIAGNOSTICS_RATE, PRIORITY), self.parameters_changed)
+        self.parameters = Parameters(self, (DIAGNOSTICS_RATE, PRIORITY, *declared), self.parameters_changed)
         self._diagnostics = self.publisher(channels.DIAGNOSTICS)
         self.every(1.0 / self.parameters.diagnostics_rate, self.report)
 

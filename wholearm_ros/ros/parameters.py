@@ -55,7 +55,7 @@ class Parameters:
         self._declared = {p.name: p for p in declared}
         self._values = {}
         self._on_change = on_change
-        for p in declared:
+        for p in self._declared.values():  # the last of two of one name
             self._values[p.name] = _declare(node, p)
         node.add_on_set_parameters_callback(self._allowed)
         node.add_post_set_parameters_callback(self._store)
