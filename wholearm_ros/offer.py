@@ -14,13 +14,16 @@ from .control.setpoints import ControlOptions
 from .mechanics.copies import build_copies
 from .model.plan import NOT_EXECUTABLE, ContactPlan
 from .model.scenario import Scenario
-from .model.trajectory import ManipulationTrajectory
+from .model.trajectory import CAGING, DWELL, DYNAMIC, ManipulationTrajectory
 from .planning.search import BEST, MoveRoutes, SearchOptions, make_routes
 from .trajectory.generate import generate
 from .trajectory.options import AUTO, FRONT, REAR, ExecutionOptions
 from .trajectory.verify import Verification, run_trial
 
 CAGES = ((REAR, 0.1), (FRONT, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
+
+DYNAMICS = ((0.3, 0.08), (0.7, 0.08), (2.0, 0.08), (0.3, 0.04), (0.7, 0.04), (2.0, 0.04), (0.3, 0.14), (2.0, 0.14))
+HARDER, HARDER_COPIES = (2.0, 3.0), 4  # levels, and copies at each, by which ways that all survive are told apart
 
 
 @dataclass(frozen=True)
@@ -35,11 +38,11 @@ class Request:
     seed: int = 0
     transition: str = AUTO
     limit: int = 5000
-    copies: int = 8
-    level: float = 1.0
+    copies: int = 12
+    level: float = 1.4
     accept: float = 0.85
-    candidates: int = 150
-    moves: int = 6000
+    candidates: int = 100
+    moves: int = 4000
     time_budget: float = 60.0
 
 
@@ -76,6 +79,7 @@ def offer(scenario: Scenario, request: Request = Request(), controls: ControlOpt
     if trying.best.share < 1.0 and request.moves:
         trying.routes_of(MoveRoutes, options, move_variants())
     if trying.best.share >= request.accept:
+        trying.sharpen()
         return trying.offered()
     return Offer(trying.refused(first), None, trying.clock, trying.best.verification)
 
@@ -105,8 +109,11 @@ class _Trying:
 
     def _try(self, plan, variants):
         """All variants of a route, until one survives; returns the leg on which most of them failed."""
-        failures = []
+        failures, hopeless, release = [], set(), _first_caging(plan)
         for options in variants:
+            before_caging = replace(options, caging_finger=FRONT, caging_torque=0.0)
+            if before_caging in hopeless:
+                continue
             self.tried += 1
             candidate = plan.with_execution(options.to_dict())
             with _timed(self.clock, 'generate_ms'):
@@ -114,6 +121,8 @@ class _Trying:
             with _timed(self.clock, 'verify_ms'):
                 verification = self._verify(trajectory)
             failures.append(_failed_leg(plan, trajectory, verification))
+            if failures[-1] < release and not verification.nominal.success:
+                hopeless.add(before_caging)
             if verification.survived > self.best.share:
                 self.best = _Best(verification.survived, candidate, trajectory, verification)
             if self.best.share == 1.0:
@@ -132,6 +141,30 @@ class _Trying:
                 break
         return Verification(tuple(trials), asked)
 
+    def sharpen(self):
+        """Of the ways to make the transitions where the torque ranges part, take the one that the largest errors leave
+        alive: the start and size of the extra torque are found, not set (the paper's future work (ii))."""
+        parted = any(not t['condition_2'] for t in self.best.trajectory.transitions)
+        chosen = ExecutionOptions.from_dict(self.best.plan.execution)
+        ways = [replace(chosen, transition=way.transition, extra_torque=way.extra_torque, dynamic_lead=way.dynamic_lead)
+                for way in _transitions(self.request.transition)]
+        if not parted or len(ways) < 2:
+            return
+        with _timed(self.clock, 'verify_ms'):
+            harder = [copy for level in HARDER for copy in build_copies(self.scenario, HARDER_COPIES, level, self.request.seed)[1:]]
+            scored = []
+            for options in ways:
+                plan = self.best.plan.with_execution(options.to_dict())
+                trajectory = generate(self.scenario, plan, options)
+                alive = sum(run_trial(trajectory, self.scenario, copy, self.controls).success for copy in harder)
+                scored.append((alive, -len(scored), plan, trajectory))
+        for alive, _, plan, trajectory in sorted(scored, key=lambda s: s[:2], reverse=True):
+            verification = Verification(tuple(run_trial(trajectory, self.scenario, c, self.controls) for c in self._copies),
+                                        len(self._copies))
+            if verification.survived >= self.best.share:
+                self.best = _Best(verification.survived, plan, trajectory, verification)
+                return
+
     def offered(self) -> Offer:
         best = self.best
         record = {**best.verification.to_dict(), 'level': self.request.level, 'candidates_tried': self.tried}
@@ -147,15 +180,27 @@ class _Trying:
 
 
 def execution_variants(request: Request) -> tuple:
-    """Ways to execute a route, the most promising first."""
-    base = ExecutionOptions()
-    return tuple(replace(base, velocity_finger=finger, caging_finger=side, caging_torque=torque, torque_margin=margin)
-                 for margin, finger, (side, torque) in product((0.5, 3.5), (AUTO, REAR, FRONT), CAGES))
+    """Ways to execute a route, the most promising first; a dynamic transition needs one velocity finger on both its sides."""
+    fingers = (FRONT, REAR, AUTO) if request.transition == DYNAMIC else (AUTO, REAR, FRONT)
+    return tuple(replace(transition, velocity_finger=finger, caging_finger=side, caging_torque=torque, torque_margin=margin)
+                 for transition, margin, finger, (side, torque)
+                 in product(_transitions(request.transition), (0.5, 3.5), fingers, CAGES))
+
+
+def _transitions(wanted):
+    """What to do where the torque ranges part: stop (dwell), or start the extra torque early enough (dynamic)."""
+    dwell = (ExecutionOptions(transition=DWELL),)
+    dynamic = tuple(ExecutionOptions(transition=DYNAMIC, extra_torque=extra, dynamic_lead=lead) for extra, lead in DYNAMICS)
+    return {DWELL: dwell, DYNAMIC: dynamic, AUTO: (*dwell, *dynamic[:1])}[wanted]
 
 
 def move_variants() -> tuple:
     """Ways to execute a route of dynamic moves: only its caging leaves a choice."""
     return tuple(ExecutionOptions(caging_finger=side, caging_torque=torque) for side, torque in CAGES)
+
+
+def _first_caging(plan):
+    return next((k for k, leg in enumerate(plan.legs) if leg.mode == CAGING), len(plan.legs))
 
 
 def _failed_leg(plan, trajectory, verification):

@@ -15,7 +15,6 @@ from .world import World
 STEP = 0.001            # [s]
 PERIOD = 0.004          # [s] of the records
 STIFF = (300.0, 6.0)    # PD gains of the velocity finger while its torque is being found [N m/rad, N m s/rad]
-SLEW = 20.0             # [N m/s] of the torque finger
 SHORTEST_RAMP = 0.04    # [s]
 REST_SPEED = 0.01       # [rad/s], [0.1 m/s] of anything at rest
 PEAK_SPEED = 15.0 / 8.0
@@ -24,24 +23,25 @@ PEAK_SPEED = 15.0 / 8.0
 @dataclass(frozen=True)
 class Move:
     """velocity_finger: LEFT or RIGHT; turn [rad] of it; torque [N m] of the other one towards closing, beyond what holds it
-    against gravity; speed [rad/s]: greatest of the turn; settle [s]: time to come to rest after it."""
+    against gravity; speed [rad/s]: greatest of the turn; settle [s]: time to come to rest after it; slew [N m/s]: of the torque."""
 
     velocity_finger: int
     turn: float
     torque: float
     speed: float = 1.2
     settle: float = 0.16
+    slew: float = 20.0
 
     def to_dict(self) -> dict:
         return {'velocity_finger': SIDES[self.velocity_finger], 'turn': self.turn, 'torque': self.torque,
-                'speed': self.speed, 'settle': self.settle}
+                'speed': self.speed, 'settle': self.settle, 'slew': self.slew}
 
     @classmethod
     def from_dict(cls, d: dict) -> 'Move':
         """Raises DocumentError when something is missing or of the wrong kind."""
         try:
             return cls(SIDES.index(d['velocity_finger']), float(d['turn']), float(d['torque']), float(d['speed']),
-                       float(d['settle']))
+                       float(d['settle']), float(d['slew']))
         except (KeyError, ValueError, TypeError, AttributeError) as error:
             raise DocumentError(f'plan document: action {d!r} of a dynamic leg is damaged: {error}') from error
 
@@ -90,7 +90,7 @@ def simulate_move(world: World, start: Rest, move: Move) -> MoveRecord:
     side = move.velocity_finger
     other = 1 - side
     torque = float(world.finger_moment[other] * np.cos(start.q[3 + other]) + CLOSING[other] * move.torque)
-    ramp = _steps(max(SHORTEST_RAMP, abs(torque - start.efforts[other]) / SLEW))
+    ramp = _steps(max(SHORTEST_RAMP, abs(torque - start.efforts[other]) / move.slew))
     turn = _steps(max(0.06, PEAK_SPEED * abs(move.turn) / move.speed)) if move.turn else 0
     total = ramp + turn + _steps(move.settle)
     every = int(round(PERIOD / STEP))

@@ -11,6 +11,7 @@ from ..model.trajectory import CAGING, QUASI_STATIC
 from .task import Task
 
 ROBUST_FRICTION = 0.03  # coefficient for which the robust torque range must hold, too
+EMPTY_WIDTH = -1.0      # [N m] of a range that is empty somewhere; how empty says nothing near a singular configuration
 MOST_THROUGH = 12       # X_through in one expansion
 MOST_SAMPLES = 300      # configurations on one arc
 UNREACHED, REACHED, NEW_Y = 'unreached', 'reached', 'new_y'
@@ -34,7 +35,7 @@ class Arc:
         """(2,) [N m]: for either torque-controlled finger, the least half width of the robust range along the arc."""
         if len(self.statics) == 0:
             return np.full(2, -np.inf)
-        return (0.5 * (self.statics[:, :, 3] - self.statics[:, :, 2])).min(axis=0)
+        return np.maximum((0.5 * (self.statics[:, :, 3] - self.statics[:, :, 2])).min(axis=0), EMPTY_WIDTH)
 
     def length(self, scale: np.ndarray) -> float:
         """Length in scaled coordinates [rad]."""
@@ -119,7 +120,9 @@ def _first_reached(task, arc):
 def _releases(task, done, arc):
     """Check_Caging: the expansions that let the object go on this arc: as soon as it may be, half-way, and at the last."""
     angles = arc.configurations[:, 2]
-    caged = [i for i, angle in enumerate(angles) if task.cage_at(angle) is not None and arc.tangents[i, 2] > 0.0]
+    held = (arc.statics[:, :, 1] >= arc.statics[:, :, 0]).any(axis=1)
+    caged = [i for i, angle in enumerate(angles)
+             if held[i] and arc.tangents[i, 2] > 0.0 and task.cage_at(angle) is not None]
     if not caged or not any(geometry.pair_body(c) == geometry.PALM and geometry.pair_kind(c) == geometry.VERTEX_EDGE
                             for c in arc.pairs):
         return

@@ -25,6 +25,10 @@ SWEEP = 0.9          # [rad]
 STOP_EVERY = 0.1     # [rad] along a sweep
 SWEEP_SPEED = 2.0    # [rad/s]
 LONG_SETTLE = 0.6    # [s] for a move that does not end at rest at once
+THROW_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
+THROW_TORQUES = (0.2, 1.0, 3.5)       # [N m]
+THROW_SPEED, THROW_SLEW = 5.0, 50.0   # [rad/s], [N m/s]
+THROW_WITHIN = 0.8   # [rad] of where the object may be let go
 PARTICLES = 3        # perturbed copies besides the nominal one
 SPREAD = np.array([0.008, 0.008, 0.08])  # [m, m, rad] by which copies may differ from the plan
 STILL = 0.05         # [rad/s], [0.1 m/s] of a copy at rest
@@ -62,7 +66,7 @@ class MoveTree:
         _, _, parent, move = heapq.heappop(self._queue)
         before = self.states[parent]
         record = self._simulate(before.rest, move)
-        if not record.at_rest and not self._hopeless(record.configurations[-1]):
+        if not record.at_rest and move.settle < LONG_SETTLE and not self._hopeless(record.configurations[-1]):
             record = self._simulate(before.rest, replace(move, settle=LONG_SETTLE))
         if not record.at_rest or self._hopeless(record.configurations[-1]):
             return None
@@ -107,6 +111,25 @@ class MoveTree:
                     sweep = Move(side, way * SWEEP, torque, SWEEP_SPEED, settle=0.0)
                     self._open_stops(k, state, sweep, self._simulate(state.rest, sweep))
 
+        if self._left(state.rest.q) < THROW_WITHIN:
+            self._open_throws(k, state)
+
+    def _open_throws(self, k, state):
+        """Quick moves after which the object comes to rest past the top: momentum carries it over what no torque holds."""
+        for side in (LEFT, RIGHT):
+            for turn in THROW_TURNS:
+                for torque in THROW_TORQUES:
+                    throw = Move(side, turn, torque, THROW_SPEED, LONG_SETTLE, THROW_SLEW)
+                    record = self._simulate(state.rest, throw)
+                    q = record.configurations[-1]
+                    if record.at_rest and self._left(q) < 0.0 and not self._hopeless(q):
+                        self._open(k, state, q, throw)
+
+    def _open(self, k, state, q, move):
+        self._order += 1
+        cost = max(0.0, self._left(q)) + DEPTH_COST * (state.depth + 1)
+        heapq.heappush(self._queue, (cost, self._order, k, move))
+
     def _open_stops(self, k, state, sweep, record):
         turned = np.abs(record.wanted - state.rest.q[3 + sweep.velocity_finger])
         for stop in np.arange(STOP_EVERY, SWEEP + 1e-9, STOP_EVERY):
@@ -117,10 +140,7 @@ class MoveTree:
             if abs(q[3 + sweep.velocity_finger] - record.wanted[i]) > 0.1 or self._hopeless(q):
                 return
             if self._cell(q) not in self._seen:
-                move = Move(sweep.velocity_finger, float(np.sign(sweep.turn) * stop), sweep.torque)
-                self._order += 1
-                cost = max(0.0, self._left(q)) + DEPTH_COST * (state.depth + 1)
-                heapq.heappush(self._queue, (cost, self._order, k, move))
+                self._open(k, state, q, Move(sweep.velocity_finger, float(np.sign(sweep.turn) * stop), sweep.torque))
 
     def _left(self, q):
         """Rotation that is left until the object may be let go [rad]."""

@@ -1,4 +1,6 @@
 """A trajectory while it is being put together: samples and segments, appended stroke by stroke."""
+from dataclasses import replace
+
 import numpy as np
 
 from ..mechanics.contacts import pair_name
@@ -33,6 +35,27 @@ class TrajectoryBuilder:
         self._append(np.repeat(self._q[-1][-1:], len(u), axis=0), values, np.full((len(u), 2), np.nan))
         self._close(DWELL, velocity_finger, pairs, len(u))
 
+    def break_equilibrium(self, efforts: np.ndarray, velocity_finger: int, pairs: tuple):
+        """Dynamic manipulation: the efforts (2,) are reached, from `dynamic_lead` before the end of the last stroke on,
+        where they are more than its contact state can carry, and kept until the object has come to rest in the next one."""
+        period, lead = self.options.period, self._lead()
+        before = self._efforts[-1][-lead - 1]
+        ramp = max(1, int(np.ceil(np.abs(efforts - before).max() / (self.options.slew * period))))
+        after = max(ramp - lead, 0) + int(np.ceil(self.options.dynamic_hold / period))
+        u = np.minimum(np.arange(1, lead + after + 1) / ramp, 1.0)[:, None]
+        values = (1.0 - u) * before + u * efforts
+        self._efforts[-1][-lead:] = values[:lead]
+        last = self._segments.pop()
+        self._segments.append(replace(last, end=last.end - lead * period))
+        self._append(np.repeat(self._q[-1][-1:], after, axis=0), values[lead:], np.full((after, 2), np.nan))
+        self._close(DYNAMIC, velocity_finger, pairs, lead + after)
+
+    def _lead(self):
+        """Samples of the last stroke, of which at least one is left to it."""
+        segment = self._segments[-1]
+        whole = int(round((segment.end - segment.start) / self.options.period))
+        return max(1, min(int(round(self.options.dynamic_lead / self.options.period)), whole - 1, len(self._q[-1]) - 1))
+
     def extend(self, mode: str, velocity_finger: int, q: np.ndarray, efforts: np.ndarray, ranges: np.ndarray,
                pieces: list, of_piece: np.ndarray):
         """Append a stroke whose first sample is where the trajectory stands; one segment for each piece of it."""
@@ -63,9 +86,7 @@ class TrajectoryBuilder:
         count = int(np.ceil(seconds / self.options.period))
         self._append(np.repeat(self._q[-1][-1:], count, axis=0), np.repeat(self._efforts[-1][-1:], count, axis=0),
                      np.full((count, 2), np.nan))
-        last = self._segments[-1]
-        self._segments[-1] = last.__class__(last.start, self._time(), last.mode, last.velocity_finger, last.contacts,
-                                            last.degree_of_constraint, last.conditioning)
+        self._segments[-1] = replace(self._segments[-1], end=self._time())
 
     def finish(self, plan_id: str) -> ManipulationTrajectory:
         """The trajectory so far."""

@@ -13,7 +13,7 @@ from .builder import TrajectoryBuilder
 from .options import ExecutionOptions
 from .strokes import follow, pieces_of
 from .timing import quintic, stroke_duration
-from .torque import quasi_static_torque, slew_limited
+from .torque import dynamic_torque, quasi_static_torque, slew_limited
 from .transitions import check_transition
 
 FINAL_HOLD = 0.3  # [s] at the goal, before the trajectory ends
@@ -37,6 +37,7 @@ def _generate(scenario, plan, options, plan_id):
     world = build_world(scenario)
     builder = TrajectoryBuilder(world, plan.legs[0].configurations[0], options)
     pieces = [piece for leg in plan.legs for piece in pieces_of(world, leg, options)]  # step 1
+    untransitable = None  # the transition report when condition 2 fails where the stroke begins
     try:
         while pieces:
             if pieces[0].mode == DYNAMIC:
@@ -46,9 +47,10 @@ def _generate(scenario, plan, options, plan_id):
             if pieces[0].mode == CAGING:
                 _lower(builder, pieces.pop(0))
                 continue
-            stroke, transition = _boundary(world, pieces)  # steps 2–4
-            _stroke(builder, stroke)  # steps 5–8
-            builder.transitions.extend(transition)
+            stroke, transitions = _boundary(world, pieces)  # steps 2–4
+            _stroke(builder, stroke, untransitable)  # steps 5–8
+            builder.transitions.extend(report.to_dict() for report in transitions)
+            untransitable = _parted(stroke, transitions, pieces)
             del pieces[:len(stroke)]  # step 9
     except ValueError as error:
         raise DocumentError(f'plan {plan_id} does not fit its scenario: {error}') from error
@@ -62,7 +64,7 @@ def _boundary(world, pieces):
     for before, after in zip(pieces[:-1], pieces[1:]):
         report = check_transition(world, before, after)
         if report is not None:
-            reports.append(report.to_dict())
+            reports.append(report)
         turns_on = (after.velocity_finger, after.direction) == (before.velocity_finger, before.direction)
         if after.mode != QUASI_STATIC or not turns_on or not report.quasi_static:
             return stroke, reports
@@ -70,8 +72,20 @@ def _boundary(world, pieces):
     return stroke, reports
 
 
-def _stroke(builder, stroke):
-    """Make_JointTraj, FwdKinematics and GET_TORQUE for one stroke, preceded by the ramp of the torque at rest."""
+def _parted(stroke, transitions, pieces):
+    """The report of the transition that ends the stroke, if the ranges part there under one velocity finger."""
+    after = pieces[len(stroke)] if len(stroke) < len(pieces) else None
+    if after is None or after.mode != QUASI_STATIC or after.velocity_finger != stroke[-1].velocity_finger:
+        return None
+    return None if transitions[-1].quasi_static else transitions[-1]
+
+
+def _stroke(builder, stroke, untransitable=None):
+    """Make_JointTraj, FwdKinematics and GET_TORQUE for one stroke.
+
+    It is preceded by the ramp of the torque at rest, or, where the ranges part and the options say so, by a dynamic
+    transition: the torque passes the range of the contact state before already on the way to the end of that stroke.
+    """
     world, options = builder.world, builder.options
     side, start, turn = stroke[0].velocity_finger, stroke[0].samples[0, 3 + stroke[0].velocity_finger], 0.0
     turn = sum(piece.turn for piece in stroke)
@@ -80,12 +94,18 @@ def _stroke(builder, stroke):
     position, _ = quintic(np.linspace(0.0, 1.0, count + 1))
     thetas = start + turn * position
     followed, of_piece = _follow_all(world, stroke, thetas)
-    torque = quasi_static_torque(followed.statics, 1 - side, options)
-    torque = slew_limited(torque, torque[0], options.slew * options.period)
+    torque = quasi_static_torque(followed.statics, 1 - side, options, world.torque_limits[1 - side])
+    dynamic = untransitable is not None and options.transition == DYNAMIC
+    if dynamic:
+        first = dynamic_torque(untransitable, 1 - side, options, world.torque_limits[1 - side])
+        torque = slew_limited(torque, first, options.slew * options.period)
     efforts = np.empty((count + 1, 2))
     efforts[:, 1 - side] = torque
     efforts[:, side] = followed.gains[:, 0] + followed.gains[:, 1] * torque
-    builder.ramp_to(efforts[0], side, stroke[0].pairs)
+    if dynamic:
+        builder.break_equilibrium(efforts[0], side, stroke[0].pairs)
+    else:
+        builder.ramp_to(efforts[0], side, stroke[0].pairs)
     builder.extend(QUASI_STATIC, side, followed.configurations, efforts, followed.statics[:, :2], stroke, of_piece)
 
 

@@ -11,6 +11,7 @@ AUTO, FRONT, REAR = 'auto', 'front', 'rear'  # the front finger is the one towar
 class ExecutionOptions:
     """torque_margin, caging_torque, extra_torque: τ_margin, τ_caging (a ceiling) and τ_extra of the paper [N m];
     range_fraction: of the torque range that the margin may use; transition: dwell or dynamic, where ranges do not overlap;
+    dynamic_lead, dynamic_hold: how long before the transition the extra torque begins, and how long it is kept after [s];
     velocity_finger: front or rear for the whole plan, or auto (by III-B.4 for every leg);
     caging_finger: front or rear, which is velocity-controlled while the object is laid down;
     holding_torque: with which the torque finger keeps the object at the goal [N m];
@@ -23,6 +24,8 @@ class ExecutionOptions:
     caging_torque: float = 0.1
     extra_torque: float = 2.0
     transition: str = DWELL
+    dynamic_lead: float = 0.08
+    dynamic_hold: float = 0.04
     velocity_finger: str = AUTO
     caging_finger: str = FRONT
     holding_torque: float = 0.25

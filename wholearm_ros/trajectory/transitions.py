@@ -1,8 +1,6 @@
 """Check_Transition: whether the contact state can change while the hand keeps moving quasi-statically (III-B.1)."""
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..mechanics.contacts import pair_name
 from ..mechanics.world import World
 from ..model.trajectory import QUASI_STATIC
@@ -11,6 +9,7 @@ from .strokes import Piece, follow
 
 LEAST_OVERLAP = 0.05     # [N m] of the ranges before and after, for a transition in motion
 LEAST_CONDITIONING = 1e-4
+NEAREST = 4              # samples on either side of a singular transition among which a range is looked for
 
 
 @dataclass(frozen=True)
@@ -44,11 +43,18 @@ def check_transition(world: World, before: Piece, after: Piece) -> TransitionRep
         return None
     side, q = after.velocity_finger, after.samples[0]
     unique = all(control_mode(world, p.pairs, q, side).conditioning > LEAST_CONDITIONING for p in (before, after))
-    ranges = [_range_at(world, Piece(p.mode, p.pairs, np.array([s, e]), side), s)
-              for p, s, e in ((before, before.samples[-1], before.samples[-2]), (after, after.samples[0], after.samples[1]))]
+    ranges = [_last_range(world, Piece(p.mode, p.pairs, samples, side)) for p, samples in
+              ((before, before.samples[::-1]), (after, after.samples))]
     return TransitionReport(tuple(map(pair_name, before.pairs)), tuple(map(pair_name, after.pairs)), unique, *ranges)
 
 
-def _range_at(world, piece, q):
-    statics = follow(world, piece, q[3 + piece.velocity_finger:4 + piece.velocity_finger]).statics[0]
-    return float(statics[0]), float(statics[1])
+def _last_range(world, piece):
+    """The torque range at the first sample of the piece, or, where that is singular, at the nearest one that has a range."""
+    for i in range(min(NEAREST, len(piece.samples) - 1)):
+        there = Piece(piece.mode, piece.pairs, piece.samples[i:i + 2], piece.velocity_finger)
+        low, high = follow(world, there, there.samples[0, 3 + piece.velocity_finger:4 + piece.velocity_finger]).statics[0, :2]
+        if i == 0:
+            first = (float(low), float(high))
+        if low <= high:
+            return float(low), float(high)
+    return first
