@@ -239,19 +239,22 @@ def gap_table(obj, palm, fingers, corners, q, gaps, codes):
 
 @kernel
 def finger_clearance(obj, fingers, side, theta, x, y, c, s):
-    """Signed gap [m] between a finger and the object by their vertices: the least entry of the gap table for that finger."""
+    """Separation [m] of a finger and the object by the separating axis theorem: positive apart, negative where they overlap.
+
+    Unlike the gap table, which knows vertices only, it sees a finger that runs right through the object.
+    """
     ux, uy, wx, wy = finger_axes(fingers, side, theta)
-    length, half = fingers[side, 2], fingers[side, 3]
-    least = np.inf
+    axis_x, axis_y, length, half = fingers[side, 0], fingers[side, 1], fingers[side, 2], fingers[side, 3]
+    near_along, far_along, near_across, far_across = np.inf, -np.inf, np.inf, -np.inf
+    greatest = -np.inf
     for i in range(obj.shape[0]):
-        vx, vy = object_vertex(obj, i, x, y, c, s)
-        rx, ry = vx - fingers[side, 0], vy - fingers[side, 1]
-        along, across = ux * rx + uy * ry, wx * rx + wy * ry
-        least = min(least, max(max(across - half, -across - half), max(along - length, -along)))
-    for feature in range(2):
-        px, py = finger_corner(fingers, side, feature, theta)
-        least = min(least, corner_depth(obj, px, py, x, y, c, s)[0])
-    return least
+        vx, vy, _, _, mx, my, _ = object_edge(obj, i, x, y, c, s)
+        along, across = ux * (vx - axis_x) + uy * (vy - axis_y), wx * (vx - axis_x) + wy * (vy - axis_y)
+        near_along, far_along = min(near_along, along), max(far_along, along)
+        near_across, far_across = min(near_across, across), max(far_across, across)
+        nearest = mx * (axis_x - vx) + my * (axis_y - vy) - half * abs(mx * wx + my * wy)
+        greatest = max(greatest, nearest + min(0.0, length * (mx * ux + my * uy)))
+    return max(greatest, max(max(near_across - half, -far_across - half), max(near_along - length, -far_along)))
 
 
 @kernel
