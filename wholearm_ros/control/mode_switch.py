@@ -4,10 +4,11 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from ..model.trajectory import ManipulationTrajectory
+from ..model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
 from .setpoints import ControlOptions, Joints, TorqueSetpoint, VelocitySetpoint, readonly_pair
 
 IDLE, DONE, STOPPED = 'idle', 'done', 'stopped'
+HOLD_MARGIN = 0.2  # [N m] inside of the torque range when the fingers hold the object after a stop
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,7 +18,7 @@ class SwitchState:
     began [s]: when the run began, None before; elapsed [s]: along the trajectory, negative while ramping in;
     progress: its share, 0 to 1; velocity_finger: LEFT, RIGHT or None; handed_over [s]: when that finger took over;
     offset [rad]: how far it was from the plan then; first_angles, first_efforts: (2,) found when the run began;
-    held_angle [rad]: of the velocity finger when stopped.
+    held_angle [rad]: of the velocity finger when stopped; held_efforts: (2,) [N m] of both from then on.
     """
 
     mode: str = IDLE
@@ -30,6 +31,7 @@ class SwitchState:
     offset: float = 0.0
     first_efforts: Optional[np.ndarray] = None
     held_angle: float = 0.0
+    held_efforts: tuple = (0.0, 0.0)
 
 
 class ModeSwitch:
@@ -43,14 +45,32 @@ class ModeSwitch:
         """Idle: the run begins with the first step whose joint states are sound."""
         return SwitchState()
 
-    def stop(self, state: SwitchState, joints: Joints, reason: str) -> SwitchState:
-        """Stopped: the velocity finger holds its angle, the torque finger lets go (slew-limited)."""
+    def stop(self, state: SwitchState, joints: Joints, reason: str, hold: bool = False) -> SwitchState:
+        """Stopped: the velocity finger holds its angle, the torque finger lets go (slew-limited).
+
+        hold: nothing is wrong, so where the object is in equilibrium the torque finger keeps the smallest torque that
+        holds it, a little inside of its range.
+        """
         if state.mode == STOPPED:
             return state
         finger = self._finger(state)
         angle = float(joints.angles[finger])
         held = angle if np.isfinite(angle) else float(self.trajectory.sample(state.elapsed).angles[finger])
-        return replace(state, mode=STOPPED, reason=reason, velocity_finger=finger, held_angle=held)
+        efforts = self._holding(state, finger) if hold else (0.0, 0.0)
+        return replace(state, mode=STOPPED, reason=reason, velocity_finger=finger, held_angle=held,
+                       held_efforts=efforts)
+
+    def _holding(self, state: SwitchState, finger: int) -> tuple:
+        """(left, right) [N m] that hold the object at this point of the plan; zero where it is not in equilibrium."""
+        if state.mode not in (QUASI_STATIC, DWELL):
+            return 0.0, 0.0
+        efforts = self.trajectory.sample(state.elapsed).efforts.copy()
+        row = int(round(max(state.elapsed, 0.0) / self.trajectory.period))
+        low, high = self.trajectory.torque_ranges[min(row, len(self.trajectory.torque_ranges) - 1)]
+        if np.isfinite(low) and np.isfinite(high):
+            inside = min(HOLD_MARGIN, (high - low) / 2)
+            efforts[1 - finger] = np.clip(0.0, low + inside, high - inside)
+        return float(efforts[0]), float(efforts[1])
 
     def step(self, state: SwitchState, now: float,
              joints: Joints) -> Tuple[SwitchState, VelocitySetpoint, TorqueSetpoint]:
@@ -65,7 +85,8 @@ class ModeSwitch:
             state = self.stop(state, joints, f'tracking error of the velocity-controlled finger is {error:+.3f} rad; '
                                              f'allowed: {self.options.max_tracking_error} rad')
         finger = self._finger(state)
-        return state, VelocitySetpoint(finger, state.held_angle, 0.0, 0.0), TorqueSetpoint(1 - finger, 0.0)
+        return (state, VelocitySetpoint(finger, state.held_angle, 0.0, state.held_efforts[finger]),
+                TorqueSetpoint(1 - finger, state.held_efforts[1 - finger]))
 
     def _finger(self, state: SwitchState) -> int:
         first = self.trajectory.segments[0].velocity_finger

@@ -11,7 +11,7 @@ from ..ros import channels
 from ..ros.goals import ABORTED, ACCEPTED, CANCELED, CANCELING, EXECUTING, NAMES, SUCCEEDED, Goals
 from ..ros.markers import plan_markers
 from ..ros.messages import (NO_GOAL, NANOSECONDS, goal_id_of, goal_message, goal_name, goal_statuses, set_stamp,
-                            status_message, to_goal_id, to_joint_trajectory, values_of)
+                            status_message, to_goal_id, to_joint_trajectory, to_nanoseconds, values_of)
 from ..ros.node import OK, WARN, WholeArmNode, run_node
 from ..ros.parameters import Declared
 from ..trajectory.generate import generate
@@ -60,9 +60,9 @@ class TrajectoryGenerator(WholeArmNode):
         goal = goal_id_of(message)
         if goal != self.plan_id:
             known = goal_name(self.plan_id) if self.plan_id else 'none yet'
-            self.reject(goal, f'unknown plan {goal_name(goal)}; allowed: the newest plan ({known})')
+            self.reject(message, f'unknown plan {goal_name(goal)}; allowed: the newest plan ({known})')
         elif self.goals.active:
-            self.reject(goal, f'busy with goal {goal_name(goal_id_of(self.goals.active.info))}; allowed: one at a time')
+            self.reject(message, f'busy with goal {goal_name(goal_id_of(self.goals.active.info))}; allowed: one at a time')
         else:
             self.last_stamp = max(self.get_clock().now().nanoseconds, self.last_stamp + 1)
             info = goal_message(goal, self.get_clock().now().to_msg())
@@ -72,9 +72,11 @@ class TrajectoryGenerator(WholeArmNode):
             self.heard, self.last_word, self.said, self.ran = time.monotonic(), None, {}, False
             self.watch()
 
-    def reject(self, goal: bytes, reason: str):
+    def reject(self, request, reason: str):
+        """The stamp of the request tells its client that it is meant: others may have sent the same goal."""
         self.get_logger().warning(f'goal rejected: {reason}')
-        self.publish_result(WARN, f'rejected: {reason}', goal, 'rejected', {})
+        self.publish_result(WARN, f'rejected: {reason}', goal_id_of(request), 'rejected',
+                            {'reason': reason, 'request_stamp': to_nanoseconds(request.stamp)})
 
     def on_cancel(self, message):
         goal, active = goal_id_of(message), self.goals.active

@@ -37,7 +37,7 @@ class Client:
     """Spins only while it waits; `watch` is called meanwhile and may raise."""
 
     def __init__(self, watch=lambda: None, name: str = 'wholearm_client', namespace: str = channels.NAMESPACE):
-        self.heard, self.watch = Heard(), watch
+        self.heard, self.watch, self._request_stamp = Heard(), watch, ''
         self.context = rclpy.Context()
         rclpy.init(context=self.context, signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
         self.node = Node(name, namespace=namespace, context=self.context, start_parameter_services=False)
@@ -90,8 +90,9 @@ class Client:
         return future.result()
 
     def send_goal(self, plan_id: str):
-        self.heard.result = {}
-        self._goal.publish(goal_message(to_goal_id(plan_id), self.node.get_clock().now().to_msg()))
+        self.heard.result, stamp = {}, self.node.get_clock().now().to_msg()
+        self._request_stamp = str(to_nanoseconds(stamp))
+        self._goal.publish(goal_message(to_goal_id(plan_id), stamp))
 
     def cancel(self):
         self._cancel.publish(goal_message(NO_GOAL, self.node.get_clock().now().to_msg()))
@@ -119,7 +120,9 @@ class Client:
         self.heard.feedback = values_of(message)
 
     def _on_result(self, message):
-        self.heard.result, self.heard.result_message = values_of(message), message.message
+        values = values_of(message)
+        if values.get('request_stamp', self._request_stamp) == self._request_stamp:  # not another client's rejection
+            self.heard.result, self.heard.result_message = values, message.message
 
     def _on_pose(self, message):
         self.heard.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')

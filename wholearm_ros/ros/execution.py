@@ -32,8 +32,9 @@ class Execution:
         return motion, torque
 
     def stop(self, joints: Joints, reason: str):
+        """On request: the fingers hold the object where that is possible."""
         state = self._switch.initial() if self.state is None else self.state
-        self.state, self.mode, self._ended = self._switch.stop(state, joints, reason), STOPPED, None
+        self.state, self.mode, self._ended = self._switch.stop(state, joints, reason, hold=True), STOPPED, None
 
     def _follow(self, stamp: int):
         if self.state.mode in (DONE, STOPPED):

@@ -1,0 +1,87 @@
+"""The goal protocol on the real graph: accepted, rejected, executing, canceled, and again after a reset."""
+import uuid
+
+import pytest
+from action_msgs.msg import GoalStatus
+
+from wholearm_ros.ros import channels
+from wholearm_ros.ros.client import Client
+from wholearm_ros.ros.messages import to_joints, values_of
+
+pytestmark = pytest.mark.timeout(280)
+ALL = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator',
+       'contact_state_planner')
+
+
+def test_goals_are_rejected_canceled_and_repeated(graph):
+    graph.start(ALL, hand_hardware={'motor_rate': 500.0}, torque_controller={'motor_rate': 500.0})
+    status, modes = graph.listen(channels.GOAL_STATUS), graph.listen(channels.MODE)
+    results, states = graph.listen(channels.RESULT), graph.listen(channels.JOINT_STATES)
+    graph.client.wait_for_graph(120.0)
+    heard = graph.client.heard
+
+    graph.client.send_goal(str(uuid.uuid4()))
+    graph.wait(lambda: heard.result, 'rejection')
+    assert heard.result['outcome'] == 'rejected' and 'unknown plan' in heard.result_message
+
+    plan = graph.plan()
+    graph.client.send_goal(plan.id)
+    graph.wait(lambda: modes and modes[-1].data not in ('idle',), 'the run to begin')
+    second = Client(name='second_client')  # another client asks while busy
+    second.wait(lambda: second._goal.get_subscription_count() > 0, 60.0, 'generator')
+    second.send_goal(plan.id)
+    second.wait(lambda: second.heard.result, 60.0, 'rejection')
+    assert second.heard.result['outcome'] == 'rejected' and 'busy' in second.heard.result_message
+    second.close()  # a client that leaves changes nothing
+
+    graph.wait(lambda: float(heard.feedback.get('progress') or 0) > 0.2, 'progress')
+    heard.result = {}
+    graph.client.cancel()
+    graph.wait(lambda: heard.result, 'result')
+    assert heard.result['outcome'] == 'canceled' and heard.result['reason'] == 'canceled'
+    assert [s.status for s in status[-1].status_list][-1] == GoalStatus.STATUS_CANCELED
+    assert modes[-1].data == 'stopped'
+    held = to_joints(states[-1])[1]
+    assert abs(held.velocities).max() < 0.2, 'the fingers hold'
+
+    heard.result = {}
+    graph.client.send_goal(plan.id)  # from where it was stopped: not the start of the trajectory
+    graph.wait(lambda: heard.result, 'result')
+    assert heard.result['outcome'] == 'aborted' and 'from the start of the trajectory' in heard.result['reason']
+
+    for _ in range(2):
+        assert graph.client.call(channels.RESET, 60.0).success
+        assert graph.plan().id == plan.id, 'the same seed gives the same plan'
+        result = graph.execute(plan.id)
+        assert result['outcome'] == 'succeeded', result
+    goals = [bytes(bytearray(s.goal_info.goal_id.uuid)) for s in status[-1].status_list]
+    assert set(goals) == {uuid.UUID(plan.id).bytes} and len(goals) == 4
+    assert {values_of(r)['outcome'] for r in results} >= {'rejected', 'canceled', 'aborted', 'succeeded'}
+
+
+def test_stop_holds_and_says_so(graph):
+    graph.start(ALL)
+    modes = graph.listen(channels.MODE)
+    graph.client.wait_for_graph(120.0)
+    assert 'nothing was running' in graph.client.call(channels.STOP, 60.0).message
+    plan = graph.plan()
+    graph.client.send_goal(plan.id)
+    graph.wait(lambda: modes and modes[-1].data != 'idle', 'the run to begin')
+    assert 'hold' in graph.client.call(channels.STOP, 60.0).message
+    graph.wait(lambda: graph.client.heard.result, 'result')
+    assert graph.client.heard.result['outcome'] == 'aborted'
+    assert 'stop' in graph.client.heard.result['reason']
+
+
+def test_poses_that_cannot_be_planned_are_answered(graph):
+    from nav_msgs.srv import GetPlan
+    graph.start(('contact_state_planner',))
+    told = graph.listen(channels.PLANNER_STATUS)
+    request = GetPlan.Request()
+    request.start.pose.orientation.w = request.goal.pose.orientation.w = 1.0
+    request.start.pose.position.y = -5.0
+    assert not graph.client.call(channels.PLAN, 120.0, request).plan.poses
+    request.start.pose.orientation.x = float('nan')
+    assert not graph.client.call(channels.PLAN, 120.0, request).plan.poses
+    graph.wait(lambda: told and 'not finite' in told[-1].message, 'the reason')
+    assert graph.client.call(channels.PLAN_SCENARIO, 120.0).success
