@@ -108,7 +108,10 @@ class ContactStatePlanner(WholeArmNode):
 
     def tell(self, level, message, values=None):
         self.status.publish(status_message(self.get_fully_qualified_name(), level, message, values))
-        (self.get_logger().info if level == OK else self.get_logger().warning)(message)
+        if level == OK:
+            self.get_logger().info(message)
+        else:  # rclpy wants every line of code to keep to one severity
+            self.get_logger().warning(message)
 
     def health(self):
         return OK, 'planning' if self.busy else 'ready', {'plans': self.planned}
