@@ -35,11 +35,11 @@ $(STAMP): setup.py pyproject.toml
 	  "(allowed: 3.10 to 3.13; set one with make PYTHON=/path/to/python)" >&2; exit 2; fi; \
 	echo "setting up $(VENV) with $$("$$python" --version) (once, a few minutes)"; \
 	[ -x $(PY) ] || "$$python" -m venv $${ROS_DISTRO:+--system-site-packages} $(VENV)
-	@$(PY) -m pip install -q --disable-pip-version-check -e '.[test]'
+	@$(PY) -m pip install -qq --disable-pip-version-check -e '.[test]'
 	@$(PY) -c 'import pybullet' 2>/dev/null || { \
 	  echo "pybullet has no wheel for this Python: compiling it takes several minutes and needs g++ ..."; \
 	  ( while sleep 20; do echo "... still compiling pybullet"; done ) & waiting=$$!; \
-	  $(PY) -m pip install -q --disable-pip-version-check -e '.[pybullet]' || \
+	  $(PY) -m pip install -qq --disable-pip-version-check -e '.[pybullet]' || \
 	    echo "pybullet could not be installed: what needs it is left out, use --backend planar"; \
 	  kill $$waiting; }
 	@# An editable install leaves the ament files out; links, so that an edited config counts at once.

@@ -29,7 +29,7 @@ RELIABLE, LATCHED, BEST_EFFORT = _qos(10), _qos(1, latched=True), _qos(5, reliab
 NEWEST = _qos(1)  # setpoints and commands: only the newest counts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Topic:
     """A topic; what it carries and from whom to whom is told in docs/ros.md."""
 
@@ -38,7 +38,7 @@ class Topic:
     qos: QoSProfile
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Service:
     """A service."""
 

@@ -48,9 +48,9 @@ class Client:
         for topic, hear in ((channels.CONTACT_PLAN, self._on_plan), (channels.PLANNER_STATUS, self._on_planner),
                             (channels.MANIPULATION_TRAJECTORY, self._on_trajectory), (channels.MODE, self._on_mode),
                             (channels.FEEDBACK, self._on_feedback), (channels.RESULT, self._on_result)):
-            self.node.create_subscription(topic.type, topic.name, hear, topic.qos)
+            self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
         deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self.node.create_subscription(channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, self._on_pose, deep)
+        self.node.create_subscription(channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, _guarded(self._on_pose), deep)
 
     def close(self):
         self.node.destroy_node()
@@ -126,3 +126,13 @@ class Client:
 
     def _on_pose(self, message):
         self.heard.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')
+
+
+def _guarded(hear):
+    """What others publish does not end a client; a damaged document is as good as none."""
+    def callback(message):
+        try:
+            hear(message)
+        except WholeArmError:
+            pass
+    return callback

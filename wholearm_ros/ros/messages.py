@@ -29,6 +29,8 @@ class MessageError(WholeArmError):
 # -- time
 
 def to_nanoseconds(stamp: Time) -> int:
+    if not 0 <= stamp.nanosec < NANOSECONDS:
+        raise MessageError(f'stamp.nanosec: got {stamp.nanosec}; allowed: 0 to {NANOSECONDS - 1}')
     return stamp.sec * NANOSECONDS + stamp.nanosec
 
 
