@@ -7,7 +7,10 @@ def readonly(values, shape=None, dtype=float) -> np.ndarray:
 
     Raises ValueError when the shape does not fit or a number is not finite.
     """
-    array = np.array(values, dtype=dtype)
+    try:
+        array = np.array(values, dtype=dtype)
+    except OverflowError as error:  # an integer of 400 digits
+        raise ValueError(f'array holds a number that is too large: {error}') from error
     if shape is not None:
         fits = array.ndim == len(shape) and all(want in (-1, got) for want, got in zip(shape, array.shape))
         if not fits:

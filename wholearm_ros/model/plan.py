@@ -135,7 +135,7 @@ class ContactPlan:
             got = d['id']
         except DocumentError:
             raise
-        except (ValueError, TypeError, KeyError, AttributeError, RecursionError, ScenarioError) as error:
+        except (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError, ScenarioError) as error:
             raise DocumentError(f'plan document is damaged: {type(error).__name__}: {error}') from error
         if plan.id != got:
             raise DocumentError(f'plan document: its content has the id {plan.id}, it says {got}; it was changed on its way')

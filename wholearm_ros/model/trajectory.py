@@ -141,7 +141,7 @@ class ManipulationTrajectory:
                          d['poses'], segments, tuple(d['transitions']), d['verification'], d['notes'])
         except DocumentError:
             raise
-        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        except (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise DocumentError(f'trajectory document is damaged: {type(error).__name__}: {error}') from error
         result._check()
         return result
