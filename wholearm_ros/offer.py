@@ -23,6 +23,7 @@ from .trajectory.verify import Verification, run_trial
 CAGES = ((REAR, 0.1), (FRONT, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
 
 DYNAMICS = ((0.3, 0.08), (0.7, 0.08), (2.0, 0.08), (0.3, 0.04), (0.7, 0.04), (2.0, 0.04), (0.3, 0.14), (2.0, 0.14))
+BETTERING = 30  # candidates to try for a better one when the first that is good enough has been found
 HARDER, HARDER_COPIES = (2.0, 3.0), 4  # levels, and copies at each, by which ways that all survive are told apart
 
 
@@ -76,7 +77,7 @@ def offer(scenario: Scenario, request: Request = Request(), controls: ControlOpt
     options = SearchOptions(request.search, request.seed, request.limit, request.moves)
     trying = _Trying(scenario, request, controls, progress)
     first = trying.routes_of(make_routes, options, execution_variants(request))
-    if trying.best.share < 1.0 and request.moves:
+    if trying.best.share < request.accept and request.moves:
         trying.routes_of(MoveRoutes, options, move_variants())
     if trying.best.share >= request.accept:
         trying.sharpen()
@@ -91,6 +92,7 @@ class _Trying:
         self.scenario, self.request, self.controls, self.progress = scenario, request, controls, progress
         self.clock = {'plan_ms': 0.0, 'generate_ms': 0.0, 'verify_ms': 0.0}
         self.best, self.tried, self._copies, self._began = _Best(), 0, None, time.monotonic()
+        self._enough = np.inf
 
     def routes_of(self, source, options, variants) -> ContactPlan:
         """Try route after route until one survives or there are no more; returns the first one."""
@@ -98,9 +100,9 @@ class _Trying:
         with _timed(self.clock, 'plan_ms'):
             routes = source(self.scenario, options)
             first = plan = routes.next_plan()
-        while plan.found and self.tried < budget and time.monotonic() - self._began < self.request.time_budget:
+        while plan.found and self.tried < min(budget, self._enough) and time.monotonic() - self._began < self.request.time_budget:
             failed = self._try(plan, variants[:budget - self.tried])
-            if self.best.share == 1.0:
+            if self.best.share == 1.0 or self.tried >= self._enough:
                 break
             self.progress(f'{self.tried} candidates tried, the best survives {max(self.best.share, 0.0):.0%} of its copies')
             with _timed(self.clock, 'plan_ms'):
@@ -121,11 +123,13 @@ class _Trying:
             with _timed(self.clock, 'verify_ms'):
                 verification = self._verify(trajectory)
             failures.append(_failed_leg(plan, trajectory, verification))
+            if verification.survived > self.best.share and verification.survived >= self.request.accept:
+                self._enough = min(self._enough, self.tried + BETTERING)
             if failures[-1] < release and not verification.nominal.success:
                 hopeless.add(before_caging)
             if verification.survived > self.best.share:
                 self.best = _Best(verification.survived, candidate, trajectory, verification)
-            if self.best.share == 1.0:
+            if self.best.share == 1.0 or self.tried >= self._enough:
                 break
         return max(set(failures), key=failures.count)
 

@@ -11,10 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..control.setpoints import ControlOptions
-from ..mechanics.contacts import closed_pairs, pair_name
+from ..mechanics.contacts import closed_pairs, four_contact_subsets, pair_name
 from ..mechanics.copies import build_copies, follow_setpoints
 from ..mechanics.moves import PERIOD, Move, MoveRecord, Rest, simulate_move
-from ..model.hand import LEFT, RIGHT
+from ..mechanics.quasistatic import build_quasistatics
+from ..mechanics.torque_range import build_torque_range, solve_torque_range
+from ..model.hand import CLOSING, LEFT, RIGHT
 from ..model.plan import X_END, X_GOAL, X_INIT, Leg, Subgoal, Y
 from ..model.trajectory import CAGING, DYNAMIC
 from .expansion import lowering
@@ -107,12 +109,27 @@ class MoveTree:
         state = self.states[k]
         for side in (LEFT, RIGHT):
             for way in (1.0, -1.0):
-                for torque in TORQUES:
+                for torque in self._torques(state.rest.q, 1 - side):
                     sweep = Move(side, way * SWEEP, torque, SWEEP_SPEED, settle=0.0)
                     self._open_stops(k, state, sweep, self._simulate(state.rest, sweep))
 
         if self._left(state.rest.q) < THROW_WITHIN:
             self._open_throws(k, state)
+
+    def _torques(self, q, side):
+        """Torques of finger `side` worth trying from q: a few, and those in the ranges of its four-contact equilibria."""
+        torques = list(TORQUES)
+        model_pairs = four_contact_subsets(closed_pairs(self.task.world, q, TOUCHING))
+        for pairs in model_pairs:
+            model = build_quasistatics(self.task.world, pairs, q)
+            found = solve_torque_range(build_torque_range(model, side, self.task.world.torque_limits))
+            if found.empty:
+                continue
+            ends = sorted(CLOSING[side] * (np.array([found.low, found.high]) - model.g_h[side]))
+            wanted = ends[0] + min(0.5, 0.5 * (ends[1] - ends[0]))
+            if all(abs(wanted - other) > 0.2 * abs(other) for other in torques):
+                torques.append(float(wanted))
+        return torques
 
     def _open_throws(self, k, state):
         """Quick moves after which the object comes to rest past the top: momentum carries it over what no torque holds."""
