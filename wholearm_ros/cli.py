@@ -1,8 +1,8 @@
-"""The command line: plan, simulate, suite, run, version. Commands import what they need when called: --help is quick."""
+"""The command line. Commands import what they need when called: --help is quick."""
 import sys
 from enum import Enum
 from pathlib import Path
-from typing import Optional
+from typing import List, Optional
 
 import click
 import typer
@@ -86,6 +86,7 @@ def about():
       wholearm simulate plan.json
       wholearm simulate config/regular_hexagon.yaml --perturb 1 --seed 3
       wholearm run --record runs/first          (needs ROS 2)
+      wholearm report runs/first
 
     Exit codes: 0 success, 1 honest failure (no plan; object not at its goal), 2 bad input.
     """
@@ -114,6 +115,8 @@ def simulate(source: Path = typer.Argument(..., metavar='PLAN_OR_SCENARIO',
              backend: Backend = BackendOption,
              rate: float = typer.Option(1000.0, '--rate', min=50.0, max=10000.0, help='Control rate in Hz.'),
              view: bool = typer.Option(False, '--view', help='PyBullet\'s window, where there is a screen.'),
+             run_out: Optional[Path] = typer.Option(None, '--run', metavar='OUT', dir_okay=False, writable=True,
+                                                    callback=_writable, help='Write the whole run here, for `report`.'),
              json_out: Optional[Path] = JsonOption):
     """Execute a plan on a stand-in of the hand, without ROS; a scenario is planned first.
 
@@ -123,18 +126,22 @@ def simulate(source: Path = typer.Argument(..., metavar='PLAN_OR_SCENARIO',
     from .simulation.suite import SuiteOptions
     planned = _plan_document(source)
     if planned is None:
-        task = _scenario(source)
-        answer = _offer(task, seed, search, transition, time_budget)
+        answer = _offer(_scenario(source), seed, search, transition, time_budget)
         _show_answer(answer)
-        trajectory = answer.trajectory
+        plan_made, trajectory = answer.plan, answer.trajectory
     else:
-        task, trajectory = planned
+        plan_made, trajectory = planned
+    task = plan_made.scenario
     if trajectory is None:
         raise typer.Exit(FAILED)
     options = SuiteOptions(seed=seed, perturb=perturb, backend=backend.value, rate=rate)
     record, judged, document = judged_run(task, trajectory, options, view)
     if json_out:
         _write_json(json_out, document)
+    if run_out:
+        from .report.run_document import run_document
+        _write(run_out, run_document(plan_made, trajectory, record, {'source': 'wholearm simulate', 'backend': backend.value,
+                                                                     'perturbation': perturb}))
     show_run(out, record, judged)
     raise typer.Exit(OK if judged.executed else FAILED)
 
@@ -162,6 +169,22 @@ def suite(file: Path = typer.Argument(..., metavar='FILE', help='A wholearm-suit
         _write_json(json_out, suite_document(str(file), options, results, summary))
     show_suite(out, results, summary)
     raise typer.Exit(FAILED if summary['errors'] else OK)
+
+
+@app.command(epilog='Exit codes: 0 the report was written, 2 bad input.')
+def report(sources: List[Path] = typer.Argument(..., metavar='BAG_OR_RUN...',
+                                                help='A bag, the directory of a run, a document of `simulate --run`, or '
+                                                     'results of `suite --json`, several for several levels.'),
+           target: Optional[Path] = typer.Option(None, '-o', '--output', metavar='OUT', dir_okay=False, writable=True,
+                                                 callback=_writable, show_default='report.html beside the source',
+                                                 help='The HTML file to write.')):
+    """Write what happened as one HTML file that needs no network: animation, torques, contact states, errors.
+
+    Example: wholearm report runs/first -o first.html
+    """
+    from .report.write import default_target, write_report
+    written = write_report(sources, target or default_target(sources[0]))
+    out.print(f'{written}  ({written.stat().st_size / 1e6:.1f} MB)', soft_wrap=True)
 
 
 @app.command()
@@ -211,7 +234,7 @@ def _offer(scenario, seed, search, transition, time_budget):
 
 
 def _plan_document(path: Path):
-    """(scenario, trajectory) of the plan document at `path`; None when it is not one."""
+    """(plan, trajectory) of the plan document at `path`; None when it is not one."""
     from .model.plan import FORMAT, ContactPlan
     from .model.yaml_text import read_text
     from .simulation.suite_file import MAX_BYTES
@@ -222,7 +245,7 @@ def _plan_document(path: Path):
     read = ContactPlan.from_json(text)
     if not read.found:
         raise WholeArmError(f'{path}: holds no plan: {read.reason}; allowed: a plan that was found')
-    return read.scenario, generate(read.scenario, read)
+    return read, generate(read.scenario, read)
 
 
 def _show_answer(answer):

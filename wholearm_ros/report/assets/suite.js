@@ -1,0 +1,77 @@
+// The report of a suite: tiles, details of the one pressed, times, success.
+const S = REPORT, byId = id => document.getElementById(id);
+function element(parent, tag, text, attributes = {}) {
+  const made = parent.appendChild(document.createElement(tag));
+  if (text !== undefined && text !== null) made.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  return made;
+}
+const ms = value => value === null ? '' : value < 1000 ? value.toFixed(0) + ' ms' : (value / 1000).toFixed(1) + ' s';
+const total = t => (t.plan_ms || 0) + (t.generate_ms || 0) + (t.verify_ms || 0);
+
+// ---- tiles and filters
+const hidden = new Set();
+const tiles = S.tasks.map((task, k) => {
+  const tile = element(byId('tiles'), 'button', task.name, {type: 'button', class: 'tile t-' + task.kind, 'aria-pressed': 'false'});
+  element(tile, 'small', S.kinds[task.kind]);
+  element(tile, 'small', ms(total(task)));
+  tile.addEventListener('click', () => choose(k));
+  return tile;
+});
+for (const [kind, name] of Object.entries(S.kinds)) {
+  const count = S.tasks.filter(t => t.kind === kind).length;
+  if (!count) continue;
+  const button = element(byId('filters'), 'button', `${name}: ${count}`, {type: 'button', class: 'tile t-' + kind, 'aria-pressed': 'true'});
+  button.addEventListener('click', () => {
+    hidden.has(kind) ? hidden.delete(kind) : hidden.add(kind);
+    button.setAttribute('aria-pressed', String(!hidden.has(kind)));
+    S.tasks.forEach((t, k) => { tiles[k].hidden = hidden.has(t.kind); });
+  });
+}
+
+// ---- details
+function choose(k) {
+  tiles.forEach((tile, i) => tile.setAttribute('aria-pressed', String(i === k)));
+  const task = S.tasks[k], box = byId('details');
+  box.replaceChildren();
+  element(box, 'h2', `${task.name}: ${S.kinds[task.kind]}`);
+  const list = element(box, 'dl');
+  const tell = (name, value) => { if (value) { element(list, 'dt', name); element(list, 'dd', value); } };
+  tell('reason', task.reason);
+  tell('times', ['plan', 'generate', 'verify'].map(n => `${n} ${ms(task[n + '_ms'])}`).join(', '));
+  tell('subgoals', `${task.subgoals}, ${task.path_length} of them on the route`);
+  tell('modes', Object.entries(task.modes || {}).filter(([, s]) => s).map(([m, s]) => `${m} ${s.toFixed(2)} s`).join(', '));
+  tell('final pose', task.final_pose && `x ${task.final_pose[0].toFixed(4)} m, y ${task.final_pose[1].toFixed(4)} m, ${task.final_pose[2].toFixed(4)} rad`);
+  if (task.error) element(box, 'pre', task.error);
+  if (task.draws.length) {
+    const table = element(element(box, 'div', null, {class: 'scroll'}), 'table'), head = element(element(table, 'thead'), 'tr');
+    ['draw', 'at the goal', 'angle error [rad]', 'what was different', 'reason'].forEach(name => element(head, 'th', name));
+    const body = element(table, 'tbody');
+    task.draws.forEach((draw, i) => {
+      const row = element(body, 'tr');
+      const different = Object.entries(draw.perturbation || {}).filter(([, v]) => typeof v === 'number' && v !== 0)
+        .map(([name, v]) => `${name.replaceAll('_', ' ')} ${+v.toPrecision(3)}`).join(', ');
+      [i, draw.executed ? 'yes' : 'no', draw.angle_error === undefined ? '' : draw.angle_error.toFixed(4), different, draw.reason]
+        .forEach(text => element(row, 'td', text));
+    });
+  }
+}
+
+// ---- plots
+const order = S.tasks.map((_, k) => k).sort((a, b) => total(S.tasks[b]) - total(S.tasks[a]));
+const ink = {plan_ms: '#8cbfe6', generate_ms: '#f2a65a', verify_ms: '#7cc6a4'};
+const times = () => Object.keys(ink).map(name => ({type: 'bar', name: name.slice(0, -3), x: order.map(k => S.tasks[k].name),
+  y: order.map(k => (S.tasks[k][name] || 0) / 1000), marker: {color: ink[name]}, hovertemplate: '%{x}: %{y:.2f} s'}));
+const success = () => [{x: S.levels.map(l => l.level), y: S.levels.map(l => l.share), mode: 'lines+markers+text',
+  text: S.levels.map(l => `${l.done}/${l.runs}`), textposition: 'top center', line: {color: colour('accent')},
+  error_y: {type: 'data', symmetric: false, array: S.levels.map(l => l.high - l.share), arrayminus: S.levels.map(l => l.share - l.low)},
+  hovertemplate: 'level %{x}: %{y:.1%}'}];
+const layout = (x, y, more) => ({...plotTheme(), margin: {l: 52, r: 10, t: 24, b: 60}, legend: {orientation: 'h', y: 1, yanchor: 'bottom'},
+  xaxis: {...axisTheme(), title: {text: x}, fixedrange: true}, yaxis: {...axisTheme(), title: {text: y}, fixedrange: true, ...more}});
+function drawAll(how) {
+  how(byId('times'), times(), {...layout('', 'seconds'), barmode: 'stack'}, plotOptions);
+  how(byId('success'), success(), layout('perturbation level', 'share at the goal', {range: [0, 1.12], tickformat: '.0%'}), plotOptions);
+}
+drawAll(Plotly.newPlot);
+byId('times').on('plotly_click', event => choose(order[event.points[0].pointNumber]));
+dark.addEventListener('change', () => drawAll(Plotly.react));

@@ -1,0 +1,83 @@
+"""What the page of a run is given as JSON: everything at 100 Hz, rounded; lengths in mm, angles in degrees."""
+import numpy as np
+
+from ..model.hand import SIDES
+from ..model.plan import ContactPlan
+from ..model.trajectory import ManipulationTrajectory
+from .mode_spans import executed_spans, planned_spans
+from .outlines import touching, view_box
+from .palette import MODE_COLOURS, MODE_NAMES
+from .run_view import RunView, controlled, planned_poses_at, setpoints_at
+from .time_figure import torque_window
+
+RATE = 100.0   # [1/s]
+
+
+def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> dict:
+    """Of one run; NaN becomes null."""
+    every = max(1, round(1.0 / (RATE * float(np.median(np.diff(run.times))))))
+    rows = np.arange(0, len(run.times), every)
+    both, times = controlled(trajectory, run), run.times[rows]
+    planned_angles = setpoints_at(trajectory, times)[1]
+    bottom, top, note = torque_window(both)
+    return {
+        'times': _numbers(times, 4), 'modes': [run.modes[k] for k in rows],
+        'pose': _pose(run.poses[rows]), 'planned_pose': _pose(planned_poses_at(trajectory, times)),
+        'angles': _numbers(np.degrees(run.angles[rows]), 3), 'planned_angles': _numbers(np.degrees(planned_angles), 3),
+        'touches': _touches(plan.scenario, run, rows),
+        'torque_side': both.torque_side[rows].tolist(), 'torque': _numbers(both.torque[rows], 4),
+        'planned_torque': _numbers(both.planned_torque[rows], 4),
+        'low': _numbers(both.torque_range[rows, 0], 4), 'high': _numbers(both.torque_range[rows, 1], 4),
+        'angle': _numbers(np.degrees(both.angle[rows]), 3), 'planned_angle': _numbers(np.degrees(both.planned_angle[rows]), 3),
+        'error': _numbers(1e3 * both.angle_error[rows], 3), 'torque_window': [bottom, top], 'torque_note': note,
+        'planned_modes': [[round(a, 4), round(b, 4), mode] for a, b, mode in planned_spans(trajectory)],
+        'executed_modes': [[round(float(a), 4), round(float(b), 4), mode] for a, b, mode in executed_spans(run)],
+        'subgoal_times': subgoal_times(plan, trajectory), 'colours': MODE_COLOURS, 'names': MODE_NAMES, 'sides': SIDES,
+        'scene': _scene(plan.scenario, run, rows),
+    }
+
+
+def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict:
+    """Number → time [s] at which the planned trajectory comes nearest to each subgoal of the route, in their order."""
+    way = np.hstack([trajectory.poses, trajectory.angles]) / [0.1, 0.1, 1.0, 1.0, 1.0]
+    configurations = {s.number: s.configuration for s in plan.subgoals}
+    found, begin = {}, 0
+    for number in plan.path:
+        away = np.abs(way[begin:] - configurations[number] / [0.1, 0.1, 1.0, 1.0, 1.0]).sum(axis=1)
+        begin += int(np.argmin(away))
+        found[number] = round(float(trajectory.times[begin]), 3)
+    return found
+
+
+def _scene(scenario, run, rows) -> dict:
+    """Outlines in their own frames [mm]: fingers along +x from their axes, the object about its centroid."""
+    left, right, bottom, top = view_box(scenario, run.poses[rows], run.angles[rows])
+    fingers = []
+    for finger in (scenario.hand.left, scenario.hand.right):
+        half, length = finger.half_width, finger.length
+        fingers.append({'axis': _numbers(1e3 * finger.axis, 2),
+                        'outline': _numbers(1e3 * np.array([[0, half], [0, -half], [length, -half], [length, half]]), 2)})
+    return {'box': _numbers(1e3 * np.array([left, -top, right - left, top - bottom]), 1), 'fingers': fingers,
+            'palm': _numbers(1e3 * scenario.palm.vertices, 2),
+            'object': _numbers(1e3 * scenario.object.polygon.vertices_about_centroid, 2)}
+
+
+def _touches(scenario, run, rows) -> list:
+    """A row an instant: x, y, normal x, normal y of each contact, one after the other [mm, mm, 1, 1]."""
+    result = []
+    for k in rows:
+        points, normals = touching(scenario, np.concatenate([run.poses[k], run.angles[k]]))
+        result.append(_numbers(np.hstack([1e3 * points, normals]).ravel(), 2))
+    return result
+
+
+def _pose(poses) -> list:
+    return _numbers(poses * [1e3, 1e3, 180.0 / np.pi], 3)
+
+
+def _numbers(values, digits: int):
+    def shown(value):
+        if isinstance(value, list):
+            return [shown(v) for v in value]
+        return None if value != value else value
+    return shown(np.round(np.asarray(values, dtype=float), digits).tolist())
