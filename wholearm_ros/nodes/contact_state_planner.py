@@ -9,7 +9,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from ..errors import WholeArmError
-from ..kernels.warm import warm
+from ..warm import warm
 from ..mechanics.contacts import close_finger
 from ..mechanics.world import build_world
 from ..model.hand import LEFT, RIGHT

@@ -1,12 +1,12 @@
-"""Compile every kernel once, so that no plan or service call pays for it: `python -m wholearm_ros.kernels.warm`."""
+"""Compile every kernel once, so that no plan or service call pays for it: `python -m wholearm_ros.warm`."""
 import sys
 import time
 
 
 def warm() -> float:
     """Plans, generates and simulates a small task; returns the seconds it took. Quick when the compiled code is on disk."""
-    from ..model.scenario_file import parse_scenario
-    from ..offer import Request, offer
+    from .model.scenario_file import parse_scenario
+    from .offer import Request, offer
 
     began = time.monotonic()
     finger = {'length': 0.15, 'half_width': 0.006, 'mass': 0.16, 'rotor_inertia': 0.005, 'angle_limits': [0.05, 3.09],
