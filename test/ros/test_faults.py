@@ -136,5 +136,10 @@ def test_ctrl_c_leaves_no_process_and_no_shared_memory(domain, tmp_path, moment)
 
 
 def _used(path: Path) -> bool:
-    return any(str(path) in (p / 'maps').read_text() for p in Path('/proc').glob('[0-9]*') if os.access(p / 'maps', os.R_OK)
-               and p.exists())
+    for process in Path('/proc').glob('[0-9]*'):
+        try:
+            if str(path) in (process / 'maps').read_text():
+                return True
+        except OSError:  # ended meanwhile, or somebody else's
+            continue
+    return False

@@ -1,6 +1,7 @@
 """The node processes: start them, notice one that ends, stop them, leave nothing behind."""
 import ctypes
 import fcntl
+import os
 import signal
 import subprocess
 import sys
@@ -113,8 +114,10 @@ def _remove_if_unused(path: Path):
 
 
 def _mapped(path: Path) -> bool:
-    """Whether a live process has `path` open or mapped."""
+    """Whether a live process other than this one has `path` mapped; this one only sent to it."""
     for process in Path('/proc').glob('[0-9]*'):
+        if process.name == str(os.getpid()):
+            continue
         try:
             if str(path) in (process / 'maps').read_text():
                 return True
