@@ -33,9 +33,24 @@ def pair_from_name(name: str) -> int:
     body, feature = hand.split('.')
     kind = {'v': geometry.VERTEX_EDGE, 'e': geometry.EDGE_CORNER}[obj[0]]
     if body == 'palm':
-        return int(geometry.pair_code(kind, geometry.PALM, int(feature[1:]), int(obj[1:])))
+        return int(geometry.pair_code(kind, geometry.PALM, _index(feature[1:]), _index(obj[1:])))
     features = FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS
-    return int(geometry.pair_code(kind, 1 + SIDES.index(body), features.index(feature), int(obj[1:])))
+    return int(geometry.pair_code(kind, 1 + SIDES.index(body), features.index(feature), _index(obj[1:])))
+
+
+def _index(text):
+    """A feature's number, of which a pair code has room for one byte."""
+    if not 0 <= int(text) < 256:
+        raise ValueError(f'contact pair: feature number {text}; allowed: 0 to 255')
+    return int(text)
+
+
+def pair_exists(code: int, vertices: int, palm_vertices: int) -> bool:
+    """Whether an object and a palm of so many vertices have that pair; kernels do not look before they read."""
+    kind, hand = geometry.pair_kind(code), int(geometry.pair_hand_feature(code))
+    on_palm = geometry.pair_body(code) == geometry.PALM
+    features = palm_vertices - (kind == geometry.VERTEX_EDGE) if on_palm else hand + 1
+    return bool(geometry.pair_object_feature(code) < vertices and hand < features)
 
 
 def gap_table(world: World, q: np.ndarray) -> tuple:

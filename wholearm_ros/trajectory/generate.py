@@ -2,6 +2,7 @@
 import numpy as np
 
 from ..errors import DocumentError
+from ..mechanics.contacts import contact_rows, pair_exists, pair_from_name
 from ..mechanics.mirror import mirror_plan, mirror_trajectory
 from ..mechanics.world import build_world
 from ..model.hand import CLOSING
@@ -14,9 +15,10 @@ from .options import ExecutionOptions
 from .strokes import follow, pieces_of
 from .timing import quintic, stroke_duration
 from .torque import dynamic_torque, quasi_static_torque, slew_limited
-from .transitions import check_transition
+from .transitions import check_dyn, check_transition
 
 FINAL_HOLD = 0.3  # [s] at the goal, before the trajectory ends
+LARGEST_GAP = 1e-5  # [m] of a contact that the plan says is closed
 
 
 def generate(scenario: Scenario, plan: ContactPlan, options: ExecutionOptions = None) -> ManipulationTrajectory:
@@ -27,6 +29,7 @@ def generate(scenario: Scenario, plan: ContactPlan, options: ExecutionOptions = 
     if not plan.legs:
         raise DocumentError(f'plan {plan.id} has no route to execute ({plan.outcome}: {plan.reason})')
     options = options or ExecutionOptions.from_dict(plan.execution)
+    _require_fit(build_world(scenario), plan)
     if turns_clockwise(scenario):
         mirrored = scenario.mirrored()
         return mirror_trajectory(_generate(mirrored, mirror_plan(plan, mirrored), options, plan.id), scenario)
@@ -56,6 +59,24 @@ def _generate(scenario, plan, options, plan_id):
         raise DocumentError(f'plan {plan_id} does not fit its scenario: {error}') from error
     builder.hold(FINAL_HOLD)  # steps 10, 11
     return builder.finish(plan_id)
+
+
+def _require_fit(world, plan):
+    """Raises DocumentError unless the plan's contacts exist in this world and are closed where its legs begin."""
+    known = len(world.obj), len(world.palm)
+    for k, leg in enumerate(plan.legs):
+        try:
+            pairs = tuple(pair_from_name(name) for name in leg.contacts)
+        except (ValueError, KeyError, IndexError, AttributeError, OverflowError) as error:
+            raise DocumentError(f'plan {plan.id} does not fit its scenario: contacts of leg {k}: {error}') from error
+        there = all(pair_exists(pair, *known) for pair in pairs)
+        if not there or len(leg.configurations) < 2:
+            raise DocumentError(f'plan {plan.id} does not fit its scenario: leg {k} with contacts {leg.contacts}')
+        if leg.mode == QUASI_STATIC:
+            gap = np.abs(contact_rows(world, pairs, leg.configurations[0])[1]).max() if len(pairs) == 4 else np.inf
+            if not gap <= LARGEST_GAP:
+                raise DocumentError(f'plan {plan.id} does not fit its scenario: contacts of leg {k} are {gap:.1e} m apart; '
+                                    f'allowed: four contacts, {LARGEST_GAP:.0e} m')
 
 
 def _boundary(world, pieces):
@@ -98,6 +119,8 @@ def _stroke(builder, stroke, untransitable=None):
     dynamic = untransitable is not None and options.transition == DYNAMIC
     if dynamic:
         first = dynamic_torque(untransitable, 1 - side, options, world.torque_limits[1 - side])
+        dynamic = check_dyn(world, followed.configurations[0], untransitable, 1 - side, first)
+    if dynamic:
         torque = slew_limited(torque, first, options.slew * options.period)
     efforts = np.empty((count + 1, 2))
     efforts[:, 1 - side] = torque
