@@ -34,7 +34,7 @@ def test_every_contact_has_a_name_of_its_own_that_leads_back_to_it(scenario):
     assert len(set(names)) == len(pairs) and [pair_from_name(n) for n in names] == pairs
 
 
-@pytest.mark.parametrize('name', ['', 'v0', 'v0:palm', 'v0:middle.inner', 'v0:left.e0', 'vx:palm.e0'])
+@pytest.mark.parametrize('name', ['', 'v0', 'v0:palm', 'v0:middle.inner', 'v0:left.e0', 'vx:palm.e0', 'v256:palm.e0', 'v0:palm.e-1'])
 def test_what_is_not_a_name_is_refused(name):
     with pytest.raises((ValueError, KeyError)):
         pair_from_name(name)
