@@ -6,10 +6,10 @@ import numpy as np
 
 from ..control.setpoints import ControlOptions
 from ..errors import DocumentError
+from ..model.perturbation import NOMINAL
 from ..model.plan import ContactPlan
 from ..model.scenario_file import parse_scenario, scenario_to_dict
 from ..model.trajectory import ManipulationTrajectory
-from ..model.perturbation import NOMINAL
 from ..simulation.run import RunRecord
 from .run_view import RunView, view_of
 from .versions import versions
@@ -22,7 +22,7 @@ DIGITS = 7  # of what is written
 def run_document(plan: ContactPlan, trajectory: ManipulationTrajectory, record: RunRecord, facts: dict) -> str:
     """facts: name → text, shown in the report."""
     run = {name: np.round(getattr(record, name), DIGITS).tolist() for name in ARRAYS}
-    return json.dumps({'format': FORMAT, 'facts': {**facts, **{f'run with {k}': v for k, v in versions().items()}},
+    return json.dumps({'format': FORMAT, 'facts': {**facts, 'run with': ', '.join(f'{k} {v}' for k, v in versions().items())},
                        'truth': scenario_to_dict(record.truth), 'reason': record.reason, 'modes': list(record.modes),
                        'run': run, 'trajectory': json.loads(trajectory.to_json()), 'plan': json.loads(plan.to_json())},
                       separators=(',', ':'), allow_nan=False)

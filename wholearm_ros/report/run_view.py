@@ -82,7 +82,9 @@ def controlled(trajectory: ManipulationTrajectory, run: RunView) -> Controlled:
     sign = np.array(CLOSING)[t_side]
     planned, planned_angles = setpoints_at(trajectory, run.times)
     held = np.clip(run.times, 0.0, trajectory.duration)
-    at = np.minimum((held / trajectory.period + 1e-6).astype(int), len(trajectory.angles) - 1)
+    first = np.array([s.start for s in segments])[place]  # the sample where two segments meet belongs to neither's range
+    at = np.maximum((held / trajectory.period + 1e-6).astype(int), (first / trajectory.period + 1e-6).astype(int) + 1)
+    at = np.minimum(at, len(trajectory.angles) - 1)
     limits = np.sort(trajectory.torque_ranges[at] * sign[:, None], axis=1)
     limits[np.array([s.mode != QUASI_STATIC for s in segments])[place]] = np.nan
     return Controlled(t_side, sign * planned[rows, t_side], sign * run.efforts[rows, t_side], limits,

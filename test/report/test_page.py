@@ -1,0 +1,117 @@
+"""The page stands alone, and a real browser opens it: no errors, the slider moves the drawing, it fits every width."""
+import json
+import re
+import shutil
+
+import pytest
+
+from wholearm_ros.report.page import page
+from wholearm_ros.report.run_page import run_page
+from wholearm_ros.report.suite_page import suite_page
+
+from .test_sources import SUITE
+
+CHROMIUM = next((path for name in ('chromium', 'chromium-browser', 'google-chrome') if (path := shutil.which(name))), None)
+DRIVER = shutil.which('chromedriver')
+VIEWS = [(1280, 900, 'light'), (1280, 900, 'dark'), (390, 844, 'light'), (390, 844, 'dark')]
+
+
+@pytest.fixture(scope='module')
+def text(told):
+    return run_page(*told)
+
+
+def own(text: str) -> str:
+    """The page without Plotly's code."""
+    return re.sub(r'<script>/\*\*.*?</script>', '', text, flags=re.S)
+
+
+def test_the_page_asks_for_nothing_from_outside(text):
+    assert not re.findall(r'<(?:script|img|link|iframe)[^>]+(?:src|href)="(?!data:)', text)
+    assert 'REPORT = ' in text and '{{' not in own(text).split('<script>')[0] and len(text) < 8e6
+
+
+def test_data_cannot_end_its_script():
+    assert '</script><script>' not in page('t', '', {'name': '</script><script>alert(1)'}, 'suite.js').split('REPORT = ')[1][:80]
+
+
+def test_the_page_holds_what_the_run_was(told, text):
+    plan, trajectory, run = told
+    data = json.loads(text.split('const REPORT = ')[1].split(';</script>')[0])
+    assert len(data['times']) == len(data['pose']) == len(data['touches']) == len(data['torque'])
+    assert data['times'][0] == pytest.approx(run.times[0], abs=1e-3)
+    found = list(data['subgoal_times'].values())
+    assert found == sorted(found) and len(found) == len(plan.path)
+    for what in (plan.id, trajectory.segments[0].contacts[0], 'asymmetric_hexagon', 'numpy', 'the object rests on its goal'):
+        assert what in text
+
+
+@pytest.fixture(scope='module')
+def browser():
+    if not (CHROMIUM and DRIVER):
+        pytest.skip('no Chromium with its chromedriver here (Debian: chromium chromium-driver)')
+    webdriver = pytest.importorskip('selenium.webdriver', reason='selenium is not installed')
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for argument in ('--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage'):
+        options.add_argument(argument)
+    options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    driver.set_page_load_timeout(60)
+    yield driver
+    driver.quit()
+
+
+def opened(browser, path, width, height, scheme):
+    browser.execute_cdp_cmd('Network.enable', {})
+    browser.execute_cdp_cmd('Network.emulateNetworkConditions', {'offline': True, 'latency': 0, 'downloadThroughput': 0,
+                                                                 'uploadThroughput': 0})
+    browser.execute_cdp_cmd('Emulation.setEmulatedMedia', {'features': [{'name': 'prefers-color-scheme', 'value': scheme}]})
+    browser.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {'width': width, 'height': height, 'deviceScaleFactor': 1,
+                                                                   'mobile': width < 600})
+    browser.get(path.as_uri())
+    assert browser.get_log('browser') == []
+    assert browser.execute_script('return document.documentElement.scrollWidth <= window.innerWidth')
+
+
+SLIDE = ("const s = document.getElementById('time'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
+         "return [document.getElementById('object').getAttribute('transform'), document.getElementById('now').textContent]")
+CURSOR = ("const done = arguments[0]; requestAnimationFrame(() => setTimeout(() => {"
+          "const s = document.getElementById('plots').layout.shapes; done(s[s.length - 1].x0)}, 50))")
+
+
+@pytest.mark.parametrize('width, height, scheme', VIEWS)
+def test_the_slider_moves_the_drawing_and_the_cursor(browser, told, text, tmp_path, width, height, scheme):
+    path = tmp_path / 'run.html'
+    path.write_text(text, encoding='utf-8')
+    opened(browser, path, width, height, scheme)
+    seen = [browser.execute_script(SLIDE, t) for t in (0.0, 1.0, told[1].duration)]
+    assert len({transform for transform, _ in seen}) == 3 and all(f'{t:.2f} s' in now for t, (_, now) in zip((0.0, 1.0), seen))
+    assert browser.execute_async_script(CURSOR) == pytest.approx(told[1].duration, abs=0.01)
+    background = browser.execute_script('return getComputedStyle(document.body).backgroundColor')
+    assert (background == 'rgb(255, 255, 255)') == (scheme == 'light')
+    number = told[0].path[-1]
+    browser.execute_script(SLIDE, 0.0)
+    browser.execute_script(f"document.getElementById('subgoal-{number}').dispatchEvent(new Event('click'))")
+    assert float(browser.execute_script("return document.getElementById('time').value")) > 1.0
+    assert browser.get_log('browser') == []
+
+
+def test_playing_moves_time(browser, text, tmp_path):
+    path = tmp_path / 'run.html'
+    path.write_text(text, encoding='utf-8')
+    opened(browser, path, 1280, 900, 'light')
+    browser.execute_script("document.getElementById('play').click()")
+    moved = browser.execute_async_script("const done = arguments[0], s = document.getElementById('time');"
+                                         "const wait = () => s.value > 0.2 ? done(true) : requestAnimationFrame(wait); wait()")
+    assert moved and browser.get_log('browser') == []
+
+
+@pytest.mark.parametrize('width, height, scheme', VIEWS[1:3])
+def test_a_task_of_a_suite_opens(browser, tmp_path, width, height, scheme):
+    path = tmp_path / 'suite.html'
+    path.write_text(suite_page([SUITE]), encoding='utf-8')
+    opened(browser, path, width, height, scheme)
+    browser.execute_script("document.querySelector('#tiles button').click()")
+    assert 'fell' in browser.execute_script("return document.getElementById('details').textContent")
+    assert browser.get_log('browser') == []
