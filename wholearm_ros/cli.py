@@ -58,7 +58,7 @@ SeedOption = typer.Option(0, '--seed', min=0, help='Of the search and of what is
 SearchOption = typer.Option(Search.best, '--search', help='best: widest margins first; random: the paper\'s search.')
 TransitionOption = typer.Option(Transition.auto, '--transition',
                                 help='How torque ranges that do not overlap are crossed; auto: what proves more robust.')
-BudgetOption = typer.Option(60.0, '--time-budget', min=0.0, help='Seconds for a plan, its verification included.')
+BudgetOption = typer.Option(180.0, '--time-budget', min=0.0, help='Seconds for a plan, its verification included.')
 BackendOption = typer.Option(Backend.pybullet, '--backend', help='Stand-in of the hand; planar needs no PyBullet.')
 PerturbOption = typer.Option(0.0, '--perturb', min=0.0, max=10.0, metavar='LEVEL',
                              help='Draw mass, shape, friction, delay, torque and noise that the planner is not told of; '

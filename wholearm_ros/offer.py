@@ -44,7 +44,7 @@ class Request:
     accept: float = 0.85
     candidates: int = 100
     moves: int = 4000
-    time_budget: float = 60.0
+    time_budget: float = 180.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ DECLARED = (
              read_only=False),
     Declared('transition', 'auto', 'how torque ranges that do not overlap are crossed',
              choices=('auto', 'dwell', 'dynamic'), read_only=False),
-    Declared('time_budget', 60.0, 'after which no further candidate is begun [s]', 0.0, 3600.0, read_only=False),
+    Declared('time_budget', 180.0, 'after which no further candidate is begun [s]', 0.0, 3600.0, read_only=False),
 )
 TOLERANCE = np.array([0.01, 0.005, 0.03])  # [m, m, rad] of the goal pose of a `plan` request without one
 BUSY = 'busy with another plan; allowed: one at a time'

@@ -13,13 +13,9 @@ import numpy as np
 
 from ..mechanics.contacts import four_contact_subsets
 from ..model.plan import EXHAUSTED, FOUND, LIMIT_REACHED
-from ..model.trajectory import CAGING
-from .expansion import REACHED, Expansion, new_subgoal, tangent
+from .expansion import REACHED, WIDE_ENOUGH, new_subgoal, tangent
 from .subgoals import SubgoalNetwork
 from .task import Task
-
-WIDE_ENOUGH = 0.4  # [N m] robust half widths beyond this count as equal
-CHANGE_COST = 1.0  # of one contact-state change, against motion in rad
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +47,11 @@ class ArcGraph:
         self.network = SubgoalNetwork(self.task)
         self._place = {self.network.nodes[0].number: 0}
 
+    @property
+    def exhausted(self) -> bool:
+        """Whether every edge of every node has been traced."""
+        return len(self.edges) == len(self.network.nodes)
+
     def edges_from(self, k: int) -> tuple:
         """Every edge that leaves node k."""
         if k not in self.edges:
@@ -69,17 +70,8 @@ class ArcGraph:
             if attached.node is not None:
                 end = None if expansion.outcome == REACHED else self._place.setdefault(
                     attached.node.number, len(self.network.nodes) - 1)
-                yield Edge(k, (pairs, sign, place), end, route_margin(expansion), self._cost(expansion), attached.numbers)
-
-    def _cost(self, expansion):
-        scale = self.task.world.scale
-        return sum(CHANGE_COST + arc.length(scale) for arc in expansion.arcs)
-
-
-def route_margin(expansion: Expansion) -> float:
-    """Least robust half width [N m] over the quasi-static arcs, each with the better of the two assignments; capped."""
-    widths = [arc.robust_half_width().max() for arc in expansion.arcs if arc.mode != CAGING and len(arc.statics) > 1]
-    return float(min([WIDE_ENOUGH, *widths]))
+                yield Edge(k, (pairs, sign, place), end, expansion.margin(),
+                           expansion.cost(self.task.world.scale), attached.numbers)
 
 
 def best_route(graph: ArcGraph, without: frozenset = frozenset()):

@@ -12,6 +12,8 @@ from .task import Task
 
 ROBUST_FRICTION = 0.03  # coefficient for which the robust torque range must hold, too
 EMPTY_WIDTH = -1.0      # [N m] of a range that is empty somewhere; how empty says nothing near a singular configuration
+WIDE_ENOUGH = 0.4       # [N m] robust half widths beyond this count as equal
+CHANGE_COST = 1.0       # of one contact-state change, against motion in rad
 MOST_THROUGH = 12       # X_through in one expansion
 MOST_SAMPLES = 300      # configurations on one arc
 UNREACHED, REACHED, NEW_Y = 'unreached', 'reached', 'new_y'
@@ -57,6 +59,15 @@ class Expansion:
     def end(self) -> np.ndarray:
         """(5,) the last configuration."""
         return self.arcs[-1].configurations[-1]
+
+    def margin(self) -> float:
+        """Least robust half width [N m] of the quasi-static arcs, each with the better assignment; at most WIDE_ENOUGH."""
+        widths = [arc.robust_half_width().max() for arc in self.arcs if arc.mode != CAGING and len(arc.statics) > 1]
+        return float(min([WIDE_ENOUGH, *widths]))
+
+    def cost(self, scale: np.ndarray) -> float:
+        """Contact-state changes, and motion in scaled coordinates [rad]."""
+        return sum(CHANGE_COST + arc.length(scale) for arc in self.arcs)
 
 
 def tangent(task: Task, q: np.ndarray, pairs: tuple) -> np.ndarray:

@@ -81,7 +81,8 @@ class BestRoutes(_Routes):
             legs.extend(network.legs[n] for n in edge.numbers[1:])
             if edge.end is not None:
                 path.append(network.nodes[edge.end].number)
-        reason = f'widest torque margin {margin:.3f} N m, cost {cost:.2f}'
+        whole = 'exhausted' if self.graph.exhausted else 'not exhausted, what is left of it is narrower'
+        reason = f'widest torque margin {margin:.3f} N m, cost {cost:.2f}, best on the graph ({whole})'
         return self._plan(FOUND, reason, network, counts, tuple(path), tuple(legs), {'margin': margin, 'total': cost})
 
     def _edge_of_leg(self, leg):
@@ -109,7 +110,9 @@ class RandomRoutes(_Routes):
         if outcome != FOUND:
             return self._plan(outcome, _why(outcome, ()), network, counts)
         path, legs = network.route_to(goal)
-        return self._plan(FOUND, f'reached after {iterations} iterations', network, counts, path, legs)
+        margin, cost = network.cost_to(goal)
+        return self._plan(FOUND, f'reached after {iterations} iterations', network, counts, path, legs,
+                          {'margin': margin, 'total': cost})
 
 
 class MoveRoutes(_Routes):

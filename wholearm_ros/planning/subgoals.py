@@ -34,7 +34,7 @@ class SubgoalNetwork:
 
     def __init__(self, task: Task):
         self.task = task
-        self.subgoals, self.legs, self._known = [], {}, {}
+        self.subgoals, self.legs, self._known, self._costs = [], {}, {}, {}
         first = self._add(X_INIT, task.start, task.pairs, 0, None)
         self.nodes = [Node(first, task.start, task.pairs)]
         self._known[self._key(task.start, task.pairs)] = self.nodes[0]
@@ -53,6 +53,7 @@ class SubgoalNetwork:
             chain.append(number)
         if not lives:
             return Attached(None, False, tuple(chain))
+        self._costs[chain[-1]] = expansion.margin(), expansion.cost(self.task.world.scale)
         if expansion.outcome == REACHED:
             return Attached(Node(chain[-1], expansion.end, expansion.pairs), True, tuple(chain))
         key = self._key(expansion.end, expansion.pairs)
@@ -71,6 +72,12 @@ class SubgoalNetwork:
             number = self.subgoals[number - 1].parent
         numbers.reverse()
         return tuple(numbers), tuple(self.legs[n] for n in numbers if n in self.legs)
+
+    def cost_to(self, number: int) -> tuple:
+        """(margin [N m], cost) of the route that `route_to` gives, as the best search counts them."""
+        numbers, _ = self.route_to(number)
+        parts = [self._costs[n] for n in numbers if n in self._costs]
+        return min(margin for margin, _ in parts), sum(cost for _, cost in parts)
 
     def counts(self) -> dict:
         kinds = [s.kind for s in self.subgoals]

@@ -119,7 +119,8 @@ def _stroke(builder, stroke, untransitable=None):
     dynamic = untransitable is not None and options.transition == DYNAMIC
     if dynamic:
         first = dynamic_torque(untransitable, 1 - side, options, world.torque_limits[1 - side])
-        dynamic = check_dyn(world, followed.configurations[0], untransitable, 1 - side, first)
+        dynamic = check_dyn(world, followed.configurations[0], untransitable, 1 - side, first,
+                            stroke[0].direction)
     if dynamic:
         torque = slew_limited(torque, first, options.slew * options.period)
     efforts = np.empty((count + 1, 2))

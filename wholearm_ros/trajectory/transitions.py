@@ -1,7 +1,10 @@
 """Check_Transition: whether the contact state can change while the hand keeps moving quasi-statically (III-B.1)."""
 from dataclasses import dataclass
 
-from ..mechanics.contacts import pair_name
+import numpy as np
+
+from ..mechanics.contacts import pair_from_name, pair_name
+from ..mechanics.dynamics import build_forward_dynamics, solve_forward_dynamics
 from ..mechanics.world import World
 from ..model.trajectory import QUASI_STATIC
 from .control_mode import control_mode
@@ -9,6 +12,7 @@ from .strokes import Piece, follow
 
 LEAST_OVERLAP = 0.05     # [N m] of the ranges before and after, for a transition in motion
 LEAST_CONDITIONING = 1e-4
+SETTING_OUT = 1.0        # [rad/s²] of the velocity finger, for which Check_Dyn solves the forward dynamics
 NEAREST = 4              # samples on either side of a singular transition among which a range is looked for
 
 
@@ -46,6 +50,19 @@ def check_transition(world: World, before: Piece, after: Piece) -> TransitionRep
     ranges = [_last_range(world, Piece(p.mode, p.pairs, samples, side)) for p, samples in
               ((before, before.samples[::-1]), (after, after.samples))]
     return TransitionReport(tuple(map(pair_name, before.pairs)), tuple(map(pair_name, after.pairs)), unique, *ranges)
+
+
+def check_dyn(world: World, q: np.ndarray, transition: TransitionReport, torque_finger: int, torque: float,
+              direction: int) -> bool:
+    """Check_Dyn: whether `torque` [N m] at q (5,), the velocity finger setting out in `direction`, breaks every contact that
+    the transition shall break and none of those that shall be there after it. (What comes of it over time is for
+    verification to see.)"""
+    before, after = (tuple(map(pair_from_name, names)) for names in (transition.before, transition.after))
+    pairs = tuple(sorted({*before, *after}))
+    solution = solve_forward_dynamics(build_forward_dynamics(world, pairs, q, np.zeros(5), torque_finger, torque,
+                                                             direction * SETTING_OUT))
+    breaking = set(solution.breaking())
+    return set(before) - set(after) <= breaking and not breaking & set(after)
 
 
 def _last_range(world, piece):
