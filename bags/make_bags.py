@@ -6,16 +6,19 @@ import sys
 from pathlib import Path
 
 from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.ros import channels
 from wholearm_ros.ros.launcher import RunOptions, run_graph
 
 HERE = Path(__file__).resolve().parent
 SCENARIOS = ('asymmetric_hexagon', 'regular_hexagon')
 SEED, RATE = 0, 250.0  # [Hz]: a quarter of the default keeps a bag small
 LIMIT = 2 * 2 ** 20    # bytes
+TOPICS = tuple(t.name for t in channels.RECORDED if t not in (channels.MARKERS, channels.DIAGNOSTICS))
 
 README = """# Reference bags
 
-One run of each shipped scenario on the ROS graph, in lockstep on the PyBullet stand-in: every topic of the run.
+One run of each shipped scenario on the ROS graph, in lockstep on the PyBullet stand-in: every topic of the run but
+`markers` and `/diagnostics`.
 `test/ros/test_replay.py` plays them into live nodes and asks for the same answers.
 
 Made by `make bags` ({command}), seed {seed}, motor rate {rate:.0f} Hz, at commit {commit}.
@@ -35,8 +38,9 @@ def make(name: str) -> str:
     from rosbags.highlevel import AnyReader
     path, scenario = HERE / name, HERE.parent / 'config' / f'{name}.yaml'
     shutil.rmtree(path, ignore_errors=True)
-    report = run_graph(load_scenario(scenario), RunOptions(name, 'lockstep', seed=SEED, record=path, rate=RATE),
-                       lambda line, *_: print(f'{name}: {line}', flush=True))
+    report = run_graph(load_scenario(scenario), RunOptions(name, 'lockstep', seed=SEED, record=path, topics=TOPICS, rate=RATE),
+                       lambda *_: None)
+    print(f'{name}: {report.message}', flush=True)
     if not report.success:
         sys.exit(f'{name}: not at its goal: {report.message} {report.judged}')
     size = sum(f.stat().st_size for f in path.iterdir())

@@ -2,6 +2,7 @@
 import sys
 import threading
 import time
+from collections import deque
 
 import numpy as np
 from rosgraph_msgs.msg import Clock
@@ -53,6 +54,7 @@ class HandHardware(WholeArmNode):
         self.guard = DriveGuard([hand.left.torque_limit, hand.right.torque_limit],
                                 round(p.command_timeout * NANOSECONDS), round(p.hold_time * NANOSECONDS))
         self.steps = self.overruns = self.worst_late = self.slipped = 0
+        self.latencies, self.sent, self.told_state = deque(maxlen=1000), 0, BRAKE  # [ns] state sent → command taken
         self.pose_every = max(1, round(p.motor_rate / p.object_pose_rate))
         self.now = FIRST_STAMP if self.lockstep else self.get_clock().now().nanoseconds
         self.guard.reset(self.now)
@@ -81,6 +83,8 @@ class HandHardware(WholeArmNode):
         stamp, joint, effort = to_command(message)
         with self.lock:
             taken = self.guard.command(joint, stamp, effort, self.now)
+            if taken and stamp == self.now:  # answered within its own period
+                self.latencies.append(time.monotonic_ns() - self.sent)
             if taken and self.lockstep and self.guard.both_at(self.now):
                 self.answered = time.monotonic()
                 self.advance(self.now + self.period, self.guard.decide(self.now))
@@ -91,6 +95,9 @@ class HandHardware(WholeArmNode):
         self.steps += 1
         self.now = now
         self.publish_state(self.steps % self.pose_every == 0)
+        if self.guard.state != self.told_state:
+            self.told_state = self.guard.state
+            self.report()
 
     def publish_state(self, with_pose: bool):
         if self.lockstep:
@@ -99,6 +106,7 @@ class HandHardware(WholeArmNode):
         angles, velocities = self.hand.joints()
         fill_joints(self.states_message, self.now, angles, velocities, self.hand.efforts())
         self.joint_states.publish(self.states_message)
+        self.sent = time.monotonic_ns()
         if with_pose:
             set_stamp(self.pose_message.header.stamp, self.now)
             fill_pose(self.pose_message.pose, self.hand.object_pose())
@@ -151,6 +159,9 @@ class HandHardware(WholeArmNode):
                   'worst lateness ms': self.worst_late / 1e6,
                   'behind the wall clock ms': self.slipped / 1e6, 'late commands': guard.late,
                   'commands at the limit': guard.saturated, 'watchdog trips': guard.trips}
+        if self.latencies:
+            p50, p99 = np.percentile(list(self.latencies), (50, 99)) / 1e6
+            values.update({'command latency p50 ms': p50, 'command latency p99 ms': p99})
         if guard.state == LIMP:
             return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
         if self.lockstep and guard.state != BRAKE and waiting > self.parameters.lockstep_timeout:

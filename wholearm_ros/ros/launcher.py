@@ -24,13 +24,15 @@ LOOP_PRIORITY = 20    # of the nodes of the closed loop, in real time
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What `wholearm run` was told. rate: of the motors [Hz]; record: directory of the bag, or None."""
+    """What `wholearm run` was told. rate: of the motors [Hz]; record: directory of the bag, or None;
+    topics: what goes into it, all when empty."""
 
     scenario: str
     pacing: str = 'realtime'
     seed: int = 0
     record: Optional[Path] = None
     storage: str = 'mcap'
+    topics: tuple = ()
     view: bool = False
     rate: float = 1000.0
     backend: str = 'pybullet'
@@ -64,7 +66,8 @@ def node_parameters(options: RunOptions) -> dict:
     loop = {'priority': LOOP_PRIORITY} if options.pacing == 'realtime' else {}
     nodes = {}
     if options.record:
-        nodes['bag_recorder'] = {'path': str(options.record), 'storage': options.storage}
+        nodes['bag_recorder'] = {'path': str(options.record), 'storage': options.storage,
+                                 **({'topics': list(options.topics)} if options.topics else {})}
     return {**nodes,
             'hand_hardware': {**scenario, **pacing, **loop, 'backend': options.backend, 'view': options.view,
                               'motor_rate': options.rate},

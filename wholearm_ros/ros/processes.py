@@ -90,6 +90,8 @@ def _die_with_parent():
 def _text(value) -> str:
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, list):
+        return '[' + ', '.join(map(_text, value)) + ']'
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 
