@@ -125,6 +125,15 @@ def test_no_random_route_is_better_than_the_best(name):
     assert ranked >= 8
 
 
+@pytest.mark.parametrize('name', ['asymmetric_hexagon', 'regular_hexagon', 'quadrilateral', 'tall', 'pentagon'])
+def test_both_searches_state_their_cost_and_the_best_states_the_better(name):
+    """Margin and cost in the plan documents: ten seeds of the random search rank no better."""
+    best = plan(FLAT_PALMS[name]).cost
+    for seed in range(10):
+        cost = plan(FLAT_PALMS[name], SearchOptions(RANDOM, seed)).cost
+        assert (-cost['margin'], cost['total']) >= (-best['margin'] - 1e-6, best['total'] - 1e-4)
+
+
 def route_in(graph, found):
     """The edges of the graph that a plan's legs run along, or None when one of them is not there."""
     route, k, legs = [], 0, list(found.legs)

@@ -20,7 +20,7 @@ from wholearm_ros.trajectory.generate import generate
 from wholearm_ros.trajectory.options import FRONT, REAR, ExecutionOptions
 
 OPTIONS = {'auto': ExecutionOptions(), 'front': ExecutionOptions(velocity_finger=FRONT, torque_margin=3.5),
-           'rear': ExecutionOptions(velocity_finger=REAR), 'dynamic': ExecutionOptions(velocity_finger=FRONT, transition=DYNAMIC)}
+           'rear': ExecutionOptions(velocity_finger=REAR), 'dynamic': ExecutionOptions(velocity_finger=FRONT, transition=DYNAMIC, extra_torque=0.7)}
 PLANS = {name: plan(FLAT_PALMS[name]) for name in ('asymmetric_hexagon', 'regular_hexagon', 'heptagon', 'tall')}
 MADE = {(name, how): generate(FLAT_PALMS[name], PLANS[name], options)
         for name in PLANS for how, options in OPTIONS.items()}
@@ -208,6 +208,13 @@ def test_a_dynamic_transition_exceeds_the_largest_torque_by_the_extra_torque():
     reached = t.efforts[list(samples_of(t, dynamic)), RIGHT].max()
     wanted = parted['range_before'][1] + options.extra_torque
     assert wanted - options.slew * options.period - 1e-9 <= reached <= wanted + 1e-9
+
+
+def test_an_extra_torque_that_also_breaks_a_contact_to_be_kept_is_not_used():
+    """Check_Dyn: with 2 N m the forward dynamics lose the left finger's vertex, too; the transition is made at rest instead."""
+    strong = replace(OPTIONS['dynamic'], extra_torque=2.0)
+    modes = generate(ASYMMETRIC, PLANS['asymmetric_hexagon'], strong).time_in_modes()
+    assert modes[DYNAMIC] == 0.0 < modes[DWELL] and MADE['asymmetric_hexagon', 'dynamic'].time_in_modes()[DYNAMIC] > 0.0
 
 
 def test_the_degree_of_constraint_counts_contacts_with_palm_and_velocity_finger():

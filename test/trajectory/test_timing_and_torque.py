@@ -1,7 +1,7 @@
 """Fifth-order polynomials, stroke durations, τ_min + τ_margin inside its range, and the slew limit."""
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -30,6 +30,7 @@ def test_the_speed_of_the_quintic_is_its_derivative_and_the_peaks_are_as_named()
     assert np.abs(np.gradient(speed, U)).max() == pytest.approx(PEAK_ACCELERATION, rel=1e-4)
 
 
+@settings(max_examples=50)
 @given(st.floats(1e-3, 3.0), st.floats(0.1, 8.0), st.floats(0.2, 5.0), st.floats(1.0, 50.0))
 def test_a_stroke_takes_the_least_time_that_keeps_every_coordinate_within_its_limits(distance, fastest, speed, acceleration):
     duration = stroke_duration(distance, fastest, speed, acceleration)
@@ -40,18 +41,21 @@ def test_a_stroke_takes_the_least_time_that_keeps_every_coordinate_within_its_li
     assert stroke_duration(-distance, fastest, speed, acceleration) == duration
 
 
+@settings(max_examples=50)
 @given(TORQUES, st.floats(-7.0, 7.0), st.floats(0.01, 2.0))
 def test_a_slew_limited_torque_never_steps_further_than_it_may(torque, start, step):
     out = slew_limited(torque, start, step)
     assert np.abs(np.diff(np.concatenate([[start], out]))).max() <= step + 1e-12
 
 
+@settings(max_examples=50)
 @given(TORQUES, st.floats(0.01, 2.0))
 def test_a_torque_that_is_slow_enough_is_left_alone(torque, step):
     slow = np.cumsum(np.clip(torque, -0.99 * step, 0.99 * step))
     np.testing.assert_allclose(slew_limited(slow, slow[0], step), slow, atol=1e-12)
 
 
+@settings(max_examples=50)
 @given(st.integers(0, 2 ** 32 - 1), st.sampled_from([LEFT, RIGHT]), st.floats(0.0, 4.0))
 def test_the_torque_lies_inside_the_range_and_at_most_the_margin_above_its_pressing_end(seed, side, margin):
     """Ranges that move slowly: then the torque is τ_min + min(τ_margin, its share of the width), towards closing."""
