@@ -1,4 +1,4 @@
-# make run | make test | make bench | make test-faults | make clean. The environment in .venv is made once.
+# make run | make test | make bench | make test-faults | make colcon | make bags | make clean. The environment in .venv is made once.
 SHELL := /bin/bash
 VENV := .venv
 PY := $(VENV)/bin/python
@@ -8,7 +8,7 @@ PYTHONS := $(PYTHON) python3.11 python3.10 python3.12 python3 /usr/bin/python3
 
 export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
-.PHONY: run test test-faults bench install bags clean
+.PHONY: run test test-faults bench install bags colcon clean
 run: $(STAMP)
 	@out=runs/$$(date +%Y-%m-%d_%H-%M-%S); mkdir -p $$out; \
 	$(PY) -m wholearm_ros run --pacing lockstep --record $$out/bag --figures $$out/figures
@@ -21,6 +21,17 @@ test-faults: $(STAMP)
 
 bench: $(STAMP)
 	@for script in benchmarks/*.py; do echo "== $$script"; $(PY) $$script || exit 1; done
+
+# The same tree by colcon, as beside a sourced ROS 2; then imported from its install space.
+COLCON := colcon-core colcon-ros colcon-python-setup-py colcon-recursive-crawl colcon-output colcon-package-information
+colcon: $(STAMP)
+	@$(PY) -m pip install -qq --disable-pip-version-check 'setuptools>=65,<80' $(COLCON)
+	@$(PY) -m colcon --log-base build/colcon/log build --base-paths . --build-base build/colcon/build \
+	  --install-base build/colcon/install
+	@prefix=build/colcon/install/wholearm_ros; test -x $$prefix/lib/wholearm_ros/mode_switcher && \
+	test -f $$prefix/share/ament_index/resource_index/packages/wholearm_ros && \
+	cd $$prefix && PYTHONPATH=$$(echo $$PWD/lib/python3*/site-packages) $(CURDIR)/$(PY) -c \
+	  'import os, wholearm_ros.nodes.mode_switcher as node; assert "colcon" in node.__file__; print("colcon: built and imported")'
 
 bags: $(STAMP)
 	@$(PY) bags/make_bags.py

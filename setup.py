@@ -29,8 +29,7 @@ setup(
     packages=find_packages(exclude=['test', 'test.*']),
     package_data={f'{NAME}.report': ['assets/*']},
     install_requires=[*CORE, f'{PYBULLET}; python_version < "3.12"', *ros],
-    extras_require={'pybullet': [PYBULLET], 'ros-wheels': ROS_WHEELS, 'test': TEST,
-                    'colcon': ['colcon-common-extensions~=0.3']},
+    extras_require={'pybullet': [PYBULLET], 'ros-wheels': ROS_WHEELS, 'test': TEST},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
