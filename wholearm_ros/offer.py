@@ -41,7 +41,7 @@ class Request:
     limit: int = 5000
     copies: int = 12
     level: float = 1.4
-    accept: float = 0.85
+    accept: float = 0.8
     candidates: int = 100
     moves: int = 4000
     time_budget: float = 180.0

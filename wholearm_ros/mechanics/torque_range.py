@@ -107,7 +107,7 @@ def _end_by_osqp(problem, sign):
     high = np.concatenate([-m.g_O, problem.limits - m.g_h, np.full(n, np.inf)])
     solver = osqp.OSQP()
     solver.setup(sp.csc_matrix(1e-9 * np.eye(n)), sign * m.J_n[:, problem.torque_finger], rows, low, high, **TIGHT)
-    answer = solver.solve()
+    answer = solver.solve(raise_error=False)
     if answer.info.status not in ('solved', 'solved inaccurate'):
         return None
     f = np.maximum(answer.x, 0.0)
