@@ -51,6 +51,17 @@ def test_the_regular_hexagon_at_500_hz_on_the_planar_stand_in(config, domain):
     assert report.success, (report.message, report.result, report.judged)
 
 
+def test_the_command_runs_in_real_time_with_every_option(tmp_path, domain):
+    """Whether the object arrives in real time depends on the load of the machine; that it runs and tells does not."""
+    done = subprocess.run([sys.executable, '-m', 'wholearm_ros', 'run', 'regular_hexagon', '--pacing', 'realtime', '--rate',
+                           '200', '--backend', 'planar', '--seed', '2', '--search', 'best', '--transition', 'dwell',
+                           '--record', str(tmp_path / 'bag'), '--storage', 'sqlite3'],
+                          capture_output=True, text=True, timeout=250)
+    assert done.returncode in (0, 1) and 'failed' not in done.stdout, done.stdout + done.stderr
+    with AnyReader([tmp_path / 'bag']) as reader:
+        assert reader.message_count > 100
+
+
 def test_the_command_refuses_bad_input_and_leaves_nothing(tmp_path, domain):
     bad = tmp_path / 'bad.yaml'
     bad.write_text('object: {}')

@@ -71,8 +71,9 @@ def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario 
     if figures is not None and record is None:
         raise WholeArmError('--figures: they are drawn from the bag; allowed: together with --record DIR')
     _check_screen(view)
-    options = RunOptions(str(path), pacing.value, seed, record and record.absolute(), storage.value, view, rate,
-                         backend.value, search.value, transition.value)
+    options = RunOptions(str(path), pacing=pacing.value, seed=seed, record=record and record.absolute(),
+                         storage=storage.value, view=view, rate=rate, backend=backend.value, search=search.value,
+                         transition=transition.value)
     task = load_scenario(path)
     _interrupt_on_sigterm()
     try:
