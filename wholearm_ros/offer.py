@@ -30,7 +30,8 @@ HARDER, HARDER_COPIES = (2.0, 3.0), 4  # levels, and copies at each, by which wa
 @dataclass(frozen=True)
 class Request:
     """search: best or random; seed: of the random search and of the copies; transition: dwell, dynamic or auto;
-    copies, level: how many perturbed copies, and how strongly perturbed; accept: least share of copies that must survive;
+    copies, level: how many perturbed copies, and how strongly perturbed; good: share of them that must survive for the search
+    to end soon; accept: least share with which the best is offered when nothing good was found;
     candidates: trajectories to try before giving up on the arcs, and again on the moves (so that the answer does not depend
     on the machine); moves: how many dynamic moves may be simulated where arcs alone do not do, 0 for none;
     time_budget: [s] after which no further candidate is begun."""
@@ -41,9 +42,10 @@ class Request:
     limit: int = 5000
     copies: int = 12
     level: float = 1.4
-    accept: float = 0.8
+    good: float = 0.8
+    accept: float = 0.6
     candidates: int = 100
-    moves: int = 4000
+    moves: int = 6000
     time_budget: float = 180.0
 
 
@@ -77,7 +79,7 @@ def offer(scenario: Scenario, request: Request = Request(), controls: ControlOpt
     options = SearchOptions(request.search, request.seed, request.limit, request.moves)
     trying = _Trying(scenario, request, controls, progress)
     first = trying.routes_of(make_routes, options, execution_variants(request))
-    if trying.best.share < request.accept and request.moves:
+    if trying.best.share < request.good and request.moves:
         trying.routes_of(MoveRoutes, options, move_variants())
     if trying.best.share >= request.accept:
         trying.sharpen()
@@ -123,7 +125,7 @@ class _Trying:
             with _timed(self.clock, 'verify_ms'):
                 verification = self._verify(trajectory)
             failures.append(_failed_leg(plan, trajectory, verification))
-            if verification.survived > self.best.share and verification.survived >= self.request.accept:
+            if verification.survived > self.best.share and verification.survived >= self.request.good:
                 self._enough = min(self._enough, self.tried + BETTERING)
             if failures[-1] < release and not verification.nominal.success:
                 hopeless.add(before_caging)
