@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.ros import channels
 
-pytestmark = pytest.mark.timeout(280)
+pytestmark = [pytest.mark.faults, pytest.mark.timeout(280)]
 ALL = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator',
        'contact_state_planner')
 

@@ -17,7 +17,7 @@ from wholearm_ros.ros.bag_reader import Bag
 from wholearm_ros.ros.messages import values_of
 from wholearm_ros.ros.processes import NodeDied
 
-pytestmark = pytest.mark.timeout(200)
+pytestmark = [pytest.mark.faults, pytest.mark.timeout(200)]
 ALL = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator',
        'contact_state_planner')
 
