@@ -1,6 +1,5 @@
 """The command line. Commands import what they need when called: --help is quick."""
 import sys
-from enum import Enum
 from pathlib import Path
 from typing import List, Optional
 
@@ -9,26 +8,10 @@ import typer
 from rich.console import Console
 from typer.core import TyperGroup
 
+from .choices import BAD_INPUT, FAILED, OK, Backend, Search, Transition
 from .errors import SolverError, WholeArmError
 
-OK, FAILED, BAD_INPUT = 0, 1, 2
 out, err = Console(highlight=False), Console(stderr=True, highlight=False)
-
-
-class Search(str, Enum):
-    best = 'best'
-    random = 'random'
-
-
-class Transition(str, Enum):
-    auto = 'auto'
-    dwell = 'dwell'
-    dynamic = 'dynamic'
-
-
-class Backend(str, Enum):
-    pybullet = 'pybullet'
-    planar = 'planar'
 
 
 class _Commands(TyperGroup):

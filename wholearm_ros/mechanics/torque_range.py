@@ -14,6 +14,7 @@ from ..errors import SolverError
 from ..kernels import statics
 from .quasistatic import QuasiStatics
 
+ROBUST_FRICTION = 0.03     # coefficient for which a robust torque range must hold, too
 RESIDUAL_TOLERANCE = 1e-7  # of the equilibrium, relative to the loads, that an answer must reach
 TIGHT = {'eps_abs': 1e-10, 'eps_rel': 1e-10, 'max_iter': 100_000, 'polishing': True, 'verbose': False}
 

@@ -6,11 +6,11 @@ import numpy as np
 from ..kernels import arcs, geometry
 from ..kernels.linear import null_vector
 from ..mechanics.contacts import closed_pairs, contact_rows, pose_on_palm
+from ..mechanics.torque_range import ROBUST_FRICTION
 from ..model.task import palm_segment_under
 from ..model.trajectory import CAGING, QUASI_STATIC
 from .task import Task
 
-ROBUST_FRICTION = 0.03  # coefficient for which the robust torque range must hold, too
 EMPTY_WIDTH = -1.0      # [N m] of a range that is empty somewhere; how empty says nothing near a singular configuration
 WIDE_ENOUGH = 0.4       # [N m] robust half widths beyond this count as equal
 CHANGE_COST = 1.0       # of one contact-state change, against motion in rad

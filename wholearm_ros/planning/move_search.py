@@ -84,7 +84,7 @@ class MoveTree:
         return len(self.states) - 1
 
     def route_to(self, k: int) -> tuple:
-        """(subgoals, path, legs) from the start to state k."""
+        """(subgoals, legs) from the start to state k."""
         states = []
         while k >= 0:
             states.append(self.states[k])
@@ -108,11 +108,11 @@ class MoveTree:
         """Open the stops that can be come to from state k."""
         state = self.states[k]
         for side in (LEFT, RIGHT):
+            torques = self._torques(state.rest.q, 1 - side)
             for way in (1.0, -1.0):
-                for torque in self._torques(state.rest.q, 1 - side):
+                for torque in torques:
                     sweep = Move(side, way * SWEEP, torque, SWEEP_SPEED, settle=0.0)
                     self._open_stops(k, state, sweep, self._simulate(state.rest, sweep))
-
         if self._left(state.rest.q) < THROW_WITHIN:
             self._open_throws(k, state)
 

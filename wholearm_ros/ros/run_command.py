@@ -10,35 +10,19 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from ..choices import FAILED, INTERRUPTED, OK, Backend, Search, Transition
 from ..errors import WholeArmError
 from ..model.scenario_file import load_scenario
 from .figures import figures_of
 from .launcher import RunOptions, RunReport, run_graph
 from .share import scenario_path
 
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 out = Console(highlight=False)
 
 
 class Pacing(str, Enum):
     realtime = 'realtime'
     lockstep = 'lockstep'
-
-
-class Backend(str, Enum):
-    pybullet = 'pybullet'
-    planar = 'planar'
-
-
-class Search(str, Enum):
-    best = 'best'
-    random = 'random'
-
-
-class Transition(str, Enum):
-    auto = 'auto'
-    dwell = 'dwell'
-    dynamic = 'dynamic'
 
 
 class Storage(str, Enum):

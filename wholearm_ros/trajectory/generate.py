@@ -108,7 +108,8 @@ def _stroke(builder, stroke, untransitable=None):
     transition: the torque passes the range of the contact state before already on the way to the end of that stroke.
     """
     world, options = builder.world, builder.options
-    side, start, turn = stroke[0].velocity_finger, stroke[0].samples[0, 3 + stroke[0].velocity_finger], 0.0
+    side = stroke[0].velocity_finger
+    start = stroke[0].samples[0, 3 + side]
     turn = sum(piece.turn for piece in stroke)
     duration = stroke_duration(turn, max(_fastest(world, p) for p in stroke), options.speed, options.acceleration)
     count = int(np.ceil(duration / options.period))

@@ -6,6 +6,7 @@ import numpy as np
 from ..kernels import arcs
 from ..mechanics.contacts import pair_from_name
 from ..mechanics.moves import Move
+from ..mechanics.torque_range import ROBUST_FRICTION
 from ..mechanics.world import World
 from ..model.hand import LEFT, RIGHT
 from ..model.plan import Leg
@@ -14,7 +15,6 @@ from .control_mode import control_mode
 from .options import AUTO, FRONT, ExecutionOptions
 
 SLOWEST_DRIVER = 0.02  # least part of the scaled motion that the velocity finger must have in every step of an arc
-STATICS_FRICTION = 0.03  # coefficient for which the torque must be right, too
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ def follow(world: World, piece: Piece, thetas: np.ndarray) -> Followed:
     k, driver = len(thetas), piece.velocity_finger
     out, statics, gains = np.empty((k, 5)), np.empty((k, 2, 4)), np.empty((k, 2))
     done = arcs.follow(*world.geometry, np.array(piece.pairs, dtype=np.int64), piece.samples, driver, thetas, world.load,
-                       world.finger_moment, world.torque_limits, STATICS_FRICTION, out, statics, gains)
+                       world.finger_moment, world.torque_limits, ROBUST_FRICTION, out, statics, gains)
     if done < k:
         raise ValueError(f'contacts cannot be kept closed at θ_V = {thetas[done]:.4f} rad')
     return Followed(out, statics[:, 1 - driver], gains)
