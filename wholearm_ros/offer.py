@@ -20,7 +20,7 @@ from .trajectory.generate import generate
 from .trajectory.options import AUTO, FRONT, REAR, ExecutionOptions
 from .trajectory.verify import Verification, run_trials, verify
 
-CAGES = ((REAR, 0.1), (FRONT, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
+CAGES = ((FRONT, 0.1), (REAR, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
 
 DYNAMICS = ((0.3, 0.08), (0.7, 0.08), (2.0, 0.08), (0.3, 0.04), (0.7, 0.04), (2.0, 0.04), (0.3, 0.14), (2.0, 0.14))
 BETTERING = 30  # candidates to try for a better one when the first that is good enough has been found

@@ -21,7 +21,7 @@ def one_step(world, q, v, efforts=(0.0, 0.0), friction=0.0, load=None, moment=No
     q, v = q.copy(), v.copy()
     closed, residual = stepping.step(
         *world.geometry, world.corners, world.inertias, world.load if load is None else load,
-        world.finger_moment if moment is None else moment, friction, stepping.NO_TILT, np.asarray(efforts, float), H, q, v,
+        world.finger_moment if moment is None else moment, friction, np.asarray(efforts, float), H, q, v,
         work or work_of(world))
     return q, v, closed, residual
 
@@ -209,8 +209,8 @@ def test_the_compiled_loop_is_stepping_with_pd_delay_and_clipping():
     q, v = start.copy(), np.zeros(5)
     record = np.empty((12, 5)), np.empty((12, 5))
     count, residual = stepping.run_trajectory(
-        *world.geometry, world.corners, world.inertias, world.load, world.finger_moment, world.torque_limits, 0.02,
-        stepping.NO_TILT, gain, delay, kp, kd, H, 0.004, angles, rates, efforts, sides, 0, q, v, 20, *record)
+        *world.geometry, world.corners, world.inertias, world.load, world.finger_moment, world.torque_limits, 0.02, gain,
+        delay, kp, kd, H, 0.004, angles, rates, efforts, sides, 0, q, v, 20, *record)
 
     mine, speed, work, past = start.copy(), np.zeros(5), work_of(world), []
     seen = []
@@ -230,3 +230,26 @@ def test_the_compiled_loop_is_stepping_with_pd_delay_and_clipping():
     assert count == 11 and residual <= 1e-9
     np.testing.assert_allclose(record[0][:10], seen, atol=1e-6)
     np.testing.assert_allclose(q, mine, atol=1e-6)
+
+
+@pytest.mark.parametrize('side', [0, 1])
+@pytest.mark.parametrize('vertex', range(6))
+@pytest.mark.parametrize('lean', [-0.1, 0.0, 0.1])
+def test_a_vertex_that_slides_off_a_finger_s_tip_meets_nothing(side, vertex, lean):
+    """Without forces the object slides along the finger's inner face at 0.3 m/s and past its tip: nothing is in its way, though
+    the tip's corner crosses the lines of both edges that meet in the vertex."""
+    world = build_world(ASYMMETRIC)
+    q, v, work = start_configuration(ASYMMETRIC).copy(), np.zeros(5), work_of(world)
+    q[3:] = [(1.3, 0.2), (2.9, 1.8)][side]  # the other finger is out of the way
+    u = np.array([np.cos(q[3 + side]), np.sin(q[3 + side])])
+    inner = np.array([u[1], -u[0]]) if side == 0 else np.array([-u[1], u[0]])
+    axis, length, half = world.fingers[side, :2], world.fingers[side, 2], world.fingers[side, 3]
+    normals = world.obj[[vertex - 1, vertex], 2:4]
+    outwards = np.arctan2(*normals.sum(axis=0)[::-1])
+    q[2] = np.arctan2(-inner[1], -inner[0]) - outwards + lean
+    c, s = np.cos(q[2]), np.sin(q[2])
+    q[:2] = axis + (length - 0.003) * u + half * inner - np.array([[c, -s], [s, c]]) @ world.obj[vertex, :2]
+    v[:2] = 0.3 * u
+    for _ in range(20):
+        q, after, _, _ = one_step(world, q, v, load=np.zeros(5), moment=np.zeros(2), work=work)
+        np.testing.assert_allclose(after, v, atol=1e-9)

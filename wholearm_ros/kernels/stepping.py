@@ -17,8 +17,7 @@ NEAR = 0.002           # [m] pairs nearer than this (plus what they may travel i
 SLIP_SPEED = 1e-3      # [m/s] sliding slower than this has less than full friction
 WATCH = 0.006          # [m] of motion for which the list of pairs that may come near is good
 DEEPEST = 0.005        # [m] a deeper penetration is no contact: the feature is beyond the object
-NO_TILT = np.zeros(3)   # of the contact normals
-STICKS_OUT = -0.25     # of a penetration, corrected in one step
+PUSHED_OUT = 0.25      # of a penetration, in one step
 
 
 @kernel
@@ -92,7 +91,7 @@ def new_work(obj, palm, corners):
     n = table_size(obj, palm, corners)
     return (np.empty(n), np.empty(n, np.int64), np.zeros(n, np.bool_), np.empty(n, np.int64), np.zeros(3),
             np.empty(n, np.int64), np.empty((n, 5)), np.empty((n, 5)), np.empty(n), np.empty(n), np.zeros(n, np.bool_),
-            np.empty((2, 5)))
+            np.empty((3, 5)))
 
 
 @kernel
@@ -130,11 +129,10 @@ def _reach(obj, palm, fingers, q):
 
 
 @kernel
-def step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, tilts, efforts, h, q, v, work):
+def step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, efforts, h, q, v, work):
     """One step of h [s] from q, v (5,), both updated in place, under motor torques efforts (2,) [N m].
 
-    tilts (3,): of the contact normals of palm, left and right finger [rad]; work: see `new_work`.
-    Returns (closed pairs, LCP residual [m/s]).
+    work: see `new_work`. Returns (closed pairs, LCP residual [m/s]).
     """
     gaps, codes, active, watched, ledger, near, rows, pushes, b, z, guess, vectors = work
     frame = frame_of(q)
@@ -154,21 +152,27 @@ def step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, t
             k += 1
         else:
             active[e] = False
+    ahead = vectors[2]
+    ahead[:] = q + h * v
+    frame_ahead = frame_of(ahead)
     for i in range(k):
         e = near[i]
+        # A feature is outside a convex body when it is outside one of its edges. Which one, is asked of where it will be: a
+        # vertex that slides off a finger's tip is held by what comes after the tip, not by the edge that it leaves.
+        codes[e] = table_entry(obj, palm, fingers, corners, e, ahead, frame_ahead)[1]
         px, py, nx, ny, gap, _, _ = contact_in(obj, palm, fingers, codes[e], q, frame)
         body = pair_body(codes[e])
         fill_row(rows[i], px, py, nx, ny, body, fingers, q)
-        b[i] = gaps[e] / h if gaps[e] > 0.0 else -STICKS_OUT * gaps[e] / h
+        b[i] = max(gap, 0.0) / h if gaps[e] > 0.0 else PUSHED_OUT * gaps[e] / h
         for j in range(5):
             b[i] += rows[i, j] * free[j]
-        sign = tilts[body]
-        if friction > 0.0 or sign != 0.0:
+        sign = 0.0
+        if friction > 0.0:
             fill_row(slide, px, py, -ny, nx, body, fingers, q)
             speed = 0.0
             for j in range(5):
                 speed += slide[j] * v[j]
-            sign += friction * min(max(speed / SLIP_SPEED, -1.0), 1.0)
+            sign = friction * min(max(speed / SLIP_SPEED, -1.0), 1.0)
         for j in range(5):
             pushes[i, j] = (rows[i, j] - (sign * slide[j] if sign != 0.0 else 0.0)) / inertias[j]
         guess[i] = active[e]
@@ -187,7 +191,7 @@ def step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, t
 
 
 @kernel
-def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, torque_limits, friction, tilts, motor_gain,
+def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, torque_limits, friction, motor_gain,
                    delay_steps, kp, kd, h, period, angles, velocities, efforts, velocity_finger, settle_steps,
                    q, v, every, record_q, record_v):
     """The closed loop: PD on the velocity-controlled finger, open-loop torque on the other, for the whole trajectory.
@@ -225,7 +229,7 @@ def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, t
             slot = 0
         for side in range(2):
             applied[side] = motor_gain[side] * pipe[slot, side]
-        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, tilts, applied, h, q, v, work)
+        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, applied, h, q, v, work)
         worst = max(worst, residual)
     if count < record_q.shape[0]:
         record_q[count], record_v[count] = q, v
@@ -258,7 +262,7 @@ def run_move(obj, palm, fingers, corners, inertias, load, finger_moment, torque_
         for i in range(2):
             applied[i] = min(max(applied[i], -torque_limits[i]), torque_limits[i])
         mean += applied[side]
-        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, 0.0, NO_TILT, applied, h, q, v, work)
+        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, 0.0, applied, h, q, v, work)
         worst = max(worst, residual)
         if (n + 1) % every == 0:
             record_q[count], record_v[count] = q, v

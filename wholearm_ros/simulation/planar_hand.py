@@ -52,7 +52,7 @@ class PlanarHand:
         for _ in range(self._substeps):
             torques = self._drives.torques(efforts, self._q[3:], self._v[3:])
             _, residual = stepping.step(*w.geometry, w.corners, w.inertias, w.load, w.finger_moment, self._friction,
-                                        stepping.NO_TILT, torques, self._dt, self._q, self._v, self._work)
+                                        torques, self._dt, self._q, self._v, self._work)
             self.largest_residual = max(self.largest_residual, residual)
         self.time += self.period
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
