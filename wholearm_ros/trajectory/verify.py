@@ -15,7 +15,7 @@ from ..model.trajectory import ManipulationTrajectory
 PROCESSORS = os.cpu_count() or 1
 SETTLE = 0.3           # [s] of holding after the trajectory's end
 ANGLE_TOLERANCE = 0.02  # [rad] from the goal's rotation; less than a run is allowed
-MOST_BEYOND = 0.03     # [rad] past the goal's rotation on the way: little is missing for an object that comes down so fast to go on
+MOST_BEYOND = 0.15     # [rad] past the goal on the way: an object that comes down faster may go on to the next edge
 REST_SPEED = 0.005     # [m/s] of the centroid at the end
 
 
