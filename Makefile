@@ -20,7 +20,7 @@ test-faults: $(STAMP)
 	@$(PY) -m pytest -m faults $(ARGS)
 
 bench: $(STAMP)
-	@for script in benchmarks/*.py; do echo "== $$script"; $(PY) $$script || exit 1; done
+	@$(PY) benchmarks/bench.py $(ARGS)
 
 # The same tree by colcon, as beside a sourced ROS 2; then imported from its install space.
 COLCON := colcon-core colcon-ros colcon-python-setup-py colcon-recursive-crawl colcon-output colcon-package-information
