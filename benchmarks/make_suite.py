@@ -1,4 +1,5 @@
-"""Makes benchmarks/suite.json: polygons of 4 to 8 vertices, drawn from a seed, to be turned onto their next face.
+"""Makes benchmarks/suite.json: the shipped scenarios, and polygons of 4 to 8 vertices drawn from a seed, to be turned onto
+their next face.
 
     python benchmarks/make_suite.py [--tasks 24] [--seed 1] [--out benchmarks/suite.json]
 """
@@ -14,7 +15,8 @@ from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scenario_to_dict
 
 HERE = Path(__file__).parent
-HEXAGON = scenario_to_dict(load_scenario(HERE.parent / 'config' / 'asymmetric_hexagon.yaml'))
+SHIPPED = [scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml'))
+           for name in ('asymmetric_hexagon', 'regular_hexagon')]
 CORNERS = (4, 5, 6, 6, 6, 7, 8)  # how many, one task after the other
 
 
@@ -27,7 +29,7 @@ def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
             polygon = Polygon(vertices)
             stable = [k for k in range(corners) if polygon.can_rest_on(k)]
             goal = stable[(stable.index(edge) - turn) % len(stable)]
-            task = {**HEXAGON, 'name': name, 'object': {'vertices': vertices, 'mass': round(rng.uniform(0.2, 0.5), 3)},
+            task = {**SHIPPED[0], 'name': name, 'object': {'vertices': vertices, 'mass': round(rng.uniform(0.2, 0.5), 3)},
                     'start': {'edge': edge, 'x': -turn * round(rng.uniform(0.0, 0.03), 2)},
                     'goal': {'edge': goal, 'direction': 'ccw' if turn > 0 else 'cw'}}
             start_configuration(parse_scenario(task))
@@ -51,7 +53,8 @@ def main():
     parser.add_argument('--out', type=Path, default=HERE / 'suite.json')
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    tasks = [random_task(rng, CORNERS[k % len(CORNERS)], f'{k:02d}-{CORNERS[k % len(CORNERS)]}gon') for k in range(options.tasks)]
+    corners = [CORNERS[k % len(CORNERS)] for k in range(options.tasks - len(SHIPPED))]
+    tasks = [*SHIPPED, *(random_task(rng, n, f'{k:02d}-{n}gon') for k, n in enumerate(corners))]
     document = {'format': 'wholearm-suite/1', 'units': {'length': 'm', 'mass': 'kg', 'angle': 'rad unless _deg', 'torque': 'N m'},
                 'seed': options.seed}
     lines = ',\n'.join(json.dumps(task) for task in tasks)

@@ -1,11 +1,8 @@
 """The suite: many tasks planned and executed on a stand-in, without ROS, by the same code as the nodes."""
 import traceback
 import zlib
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
-from multiprocessing import get_context
 from typing import Callable, Iterable, Optional
 
 import numpy as np
@@ -19,6 +16,7 @@ from ..offer import Request, offer
 from .outcome import outcome
 from .run import run
 from .suite_file import Task
+from .workers import work_on
 
 TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
 
@@ -26,7 +24,7 @@ TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
 @dataclass(frozen=True)
 class SuiteOptions:
     """seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed runs a task;
-    search, transition, candidates, time_budget [s]: of the request to the planner; backend, rate [Hz]: of the stand-in."""
+    search, transition, candidates, moves, time_budget [s]: of the request to the planner; backend, rate [Hz]: of the stand-in."""
 
     seed: int = 0
     perturb: float = 0.0
@@ -34,6 +32,7 @@ class SuiteOptions:
     search: str = 'best'
     transition: str = 'auto'
     candidates: int = Request.candidates
+    moves: int = Request.moves
     time_budget: float = Request.time_budget
     backend: str = 'pybullet'
     rate: float = 1000.0
@@ -41,19 +40,19 @@ class SuiteOptions:
 
 
 def run_suite(tasks: Iterable[Task], options: SuiteOptions, jobs: int = 1,
-              on_result: Optional[Callable[[dict], None]] = None) -> list:
+              on_result: Optional[Callable[[dict], None]] = None, scheduler: Optional[str] = None) -> list:
     """One result (dict) a task, in the tasks' order; `on_result` hears of each as it is done.
 
+    jobs: processes of this machine; scheduler: address of a Dask scheduler whose workers are used instead.
     An error in a task is that task's result; it does not stop the others.
     """
-    tasks, work = list(tasks), partial(run_task, options=options)
-    results = [None] * len(tasks)
-    ready = partial(warm_up, tasks[0], options)
-    for k, result in (_one_by_one if jobs == 1 else partial(_in_processes, jobs=jobs))(work, tasks, ready):
+    tasks, results = list(tasks), {}
+    lost = lambda task, why: failed(task.name, why)
+    for k, result in work_on(tasks, partial(run_task, options=options), lost, jobs, scheduler):
         results[k] = result
         if on_result:
             on_result(result)
-    return results
+    return [results[k] for k in range(len(tasks))]
 
 
 def run_task(task: Task, options: SuiteOptions) -> dict:
@@ -64,11 +63,6 @@ def run_task(task: Task, options: SuiteOptions) -> dict:
         return failed(task.name, str(error))
     except Exception:  # the boundary of a task: a bug in one must be seen, and must not hide the others' results
         return failed(task.name, traceback.format_exc())
-
-
-def warm_up(task: Task, options: SuiteOptions) -> None:
-    """Loads the compiled kernels, so that the first task's times do not hold that; the result is dropped."""
-    run_task(task, replace(options, candidates=1, draws=1))
 
 
 def failed(name: str, error: str) -> dict:
@@ -99,7 +93,8 @@ def summarize(results: list) -> dict:
 def _planned_and_executed(task: Task, options: SuiteOptions) -> dict:
     scenario = parse_scenario(task.scenario, task.name)
     answer = offer(scenario, Request(search=options.search, seed=options.seed, transition=options.transition,
-                                     candidates=options.candidates, time_budget=options.time_budget))
+                                     candidates=options.candidates, moves=options.moves,
+                                     time_budget=options.time_budget))
     plan, trajectory = answer.plan, answer.trajectory
     result = {'name': task.name, 'planned': trajectory is not None,
               'reason': '' if trajectory is not None else f'{plan.outcome}: {plan.reason}',
@@ -128,21 +123,3 @@ def _executed(scenario: Scenario, trajectory, name: str, draw: int, options: Sui
 
 def _number(value) -> Optional[float]:
     return None if value is None else float(value)
-
-
-def _one_by_one(work, tasks, ready):
-    ready()
-    for k, task in enumerate(tasks):
-        yield k, work(task)
-
-
-def _in_processes(work, tasks, ready, jobs: int):
-    """As they are done. A worker that dies takes the tasks in its pool with it; they are told as errors."""
-    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn'), initializer=ready) as pool:
-        futures = {pool.submit(work, task): k for k, task in enumerate(tasks)}
-        for future in as_completed(futures):
-            k = futures[future]
-            try:
-                yield k, future.result()
-            except BrokenProcessPool as error:
-                yield k, failed(tasks[k].name, f'a worker process died: {error}')
