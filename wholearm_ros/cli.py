@@ -151,7 +151,7 @@ def suite(file: Path = typer.Argument(..., metavar='FILE', help='A wholearm-suit
     results = with_progress(err, tasks, lambda heard: run_suite(tasks, options, jobs, heard, scheduler))
     summary = summarize(results)
     if json_out:
-        _write_json(json_out, suite_document(str(file), options, results, summary))
+        _write_json(json_out, suite_document(str(file), tasks, options, results, summary))
     show_suite(out, results, summary)
     raise typer.Exit(FAILED if summary['errors'] else OK)
 

@@ -14,10 +14,11 @@ from ..model.scenario import Scenario
 from ..model.scenario_file import parse_scenario
 from ..offer import Request, offer
 from .outcome import outcome
-from .run import run
+from .run import RunRecord, run
 from .suite_file import Task
 from .workers import work_on
 
+MOTION_PERIOD = 0.04  # [s] between two rows of a result's `motion`
 TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
 
 
@@ -68,7 +69,7 @@ def run_task(task: Task, options: SuiteOptions) -> dict:
 def failed(name: str, error: str) -> dict:
     """The result of a task that could not be worked on."""
     return {'name': name, 'planned': False, 'reason': 'error', 'error': error, **dict.fromkeys(TIMES), 'subgoals': 0,
-            'path_length': 0, 'modes': {}, 'executed': False, 'final_pose': None, 'draws': []}
+            'path_length': 0, 'modes': {}, 'executed': False, 'final_pose': None, 'motion': None, 'draws': []}
 
 
 def perturbation_rng(options: SuiteOptions, name: str, draw: int) -> np.random.Generator:
@@ -101,24 +102,33 @@ def _planned_and_executed(task: Task, options: SuiteOptions) -> dict:
               **{name: _number(answer.timings.get(name)) for name in TIMES},
               'subgoals': len(plan.subgoals), 'path_length': len(plan.path),
               'modes': trajectory.time_in_modes() if trajectory is not None else {},
-              'executed': False, 'final_pose': None, 'draws': []}
+              'executed': False, 'final_pose': None, 'motion': None, 'draws': []}
     if trajectory is None:
         return result
     count = options.draws if options.perturb else 1
-    result['draws'] = [_executed(scenario, trajectory, task.name, k, options) for k in range(count)]
+    runs = [_executed(scenario, trajectory, task.name, k, options) for k in range(count)]
+    result['draws'], result['motion'] = [told for told, _ in runs], _motion(runs[0][1])
     result['executed'] = all(d['executed'] for d in result['draws'])
     result['final_pose'] = result['draws'][0]['final_pose']
     return result
 
 
-def _executed(scenario: Scenario, trajectory, name: str, draw: int, options: SuiteOptions) -> dict:
+def _executed(scenario: Scenario, trajectory, name: str, draw: int, options: SuiteOptions) -> tuple:
+    """(what is told of it, its record)."""
     perturbation = draw_perturbation(perturbation_rng(options, name, draw), options.perturb, scenario)
     record = run(scenario, trajectory, backend=options.backend, rate=options.rate, perturbation=perturbation,
                  controls=options.controls)
     judged = outcome(scenario, record)
     told = {'executed': judged.executed, 'reason': judged.reason, 'final_pose': judged.pose.tolist(),
             'angle_error': judged.angle_error}
-    return {**told, 'perturbation': perturbation.to_dict()} if options.perturb else told
+    return ({**told, 'perturbation': perturbation.to_dict()} if options.perturb else told), record
+
+
+def _motion(record: RunRecord) -> dict:
+    """What is needed to see a run again: rows of x, y, φ, θ_L, θ_R [m, m, rad] and the name of the mode in each."""
+    rows = np.arange(0, len(record.times), max(1, round(MOTION_PERIOD / (record.times[1] - record.times[0]))))
+    return {'period': MOTION_PERIOD, 'rows': np.hstack([record.poses, record.angles])[rows].round(4).tolist(),
+            'modes': [record.modes[k] for k in rows]}
 
 
 def _number(value) -> Optional[float]:

@@ -43,6 +43,7 @@ function choose(k) {
   tell('modes', Object.entries(task.modes || {}).filter(([, s]) => s).map(([m, s]) => `${m} ${s.toFixed(2)} s`).join(', '));
   tell('final pose', task.final_pose && `x ${task.final_pose[0].toFixed(4)} m, y ${task.final_pose[1].toFixed(4)} m, ${task.final_pose[2].toFixed(4)} rad`);
   if (task.error) element(box, 'pre', task.error);
+  if (task.run) showRun(box, task.run);
   if (task.draws.length) {
     const table = element(element(box, 'div', null, {class: 'scroll'}), 'table'), head = element(element(table, 'thead'), 'tr');
     ['draw', 'at the goal', 'angle error [rad]', 'what was different', 'reason'].forEach(name => element(head, 'th', name));
@@ -55,6 +56,42 @@ function choose(k) {
         .forEach(text => element(row, 'td', text));
     });
   }
+}
+
+// ---- the run of the task that was pressed: it plays by itself, the slider stops it
+let playing = 0;
+function showRun(box, run) {
+  const mine = ++playing, last = run.pose.length - 1, end = last * run.period;
+  const stage = element(box, 'div', null, {class: 'stage'});
+  const {move} = makeScene(stage.appendChild(document.createElementNS(SVG, 'svg')), run.scene);
+  const slider = element(stage, 'input', null, {type: 'range', min: 0, max: end, step: 0.01, 'aria-label': 'Time [s]', class: 'slider'});
+  const line = element(stage, 'p', null, {class: 'key'}), play = element(line, 'button', 'Pause', {type: 'button'});
+  const chip = element(line, 'span', '', {class: 'chip'}), clock = element(line, 'output');
+  let began = performance.now();
+  function show(t) {
+    const k = Math.min(Math.floor(t / run.period), last), next = Math.min(k + 1, last), u = Math.min(t / run.period - k, 1);
+    const between = list => list[k].map((v, i) => v + u * (list[next][i] - v));
+    move(between(run.pose), between(run.angles));
+    slider.value = t;
+    chip.textContent = S.names[run.modes[k]] || run.modes[k];
+    chip.style.background = S.colours[run.modes[k]];
+    clock.textContent = ` ${t.toFixed(2)} of ${end.toFixed(2)} s`;
+  }
+  function step(stamp) {
+    if (began === null || mine !== playing) return;
+    show(Math.min(Math.max(stamp - began, 0) / 1000, end));
+    if ((stamp - began) / 1000 < end) requestAnimationFrame(step); else pause();
+  }
+  function pause() { began = null; play.textContent = 'Play'; }
+  play.addEventListener('click', () => {
+    if (began !== null) return pause();
+    began = performance.now() - 1000 * (slider.value >= end ? 0 : slider.value);
+    play.textContent = 'Pause';
+    requestAnimationFrame(step);
+  });
+  slider.addEventListener('input', () => { pause(); show(+slider.value); });
+  show(0);
+  requestAnimationFrame(step);
 }
 
 // ---- plots
