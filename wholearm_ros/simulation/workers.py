@@ -78,7 +78,7 @@ def _dask():
 def _client(dask, jobs, scheduler):
     """A client of the scheduler, or of an embedded cluster of `jobs` processes."""
     if scheduler is None:
-        with dask.LocalCluster(jobs, threads_per_worker=1, host='127.0.0.1', dashboard_address=None) as cluster, \
+        with dask.LocalCluster(jobs, threads_per_worker=1, host='127.0.0.1', dashboard_address='127.0.0.1:0') as cluster, \
                 dask.Client(cluster) as client:
             yield client
         return
