@@ -18,7 +18,7 @@ from .model.trajectory import CAGING, DWELL, DYNAMIC, ManipulationTrajectory
 from .planning.search import BEST, MoveRoutes, SearchOptions, make_routes
 from .trajectory.generate import generate
 from .trajectory.options import AUTO, FRONT, REAR, ExecutionOptions
-from .trajectory.verify import Verification, run_trial
+from .trajectory.verify import Verification, run_trials, verify
 
 CAGES = ((REAR, 0.1), (FRONT, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
 
@@ -140,8 +140,8 @@ class _Trying:
         if self._copies is None:
             self._copies = build_copies(self.scenario, self.request.copies, self.request.level, self.request.seed)
         trials, asked = [], len(self._copies)
-        for copy in self._copies:
-            trials.append(run_trial(trajectory, self.scenario, copy, self.controls))
+        for trial in run_trials(trajectory, self.scenario, self._copies, self.controls):
+            trials.append(trial)
             failed = sum(not t.success for t in trials)
             if not trials[0].success or (asked - failed) / asked <= self.best.share:
                 break
@@ -162,11 +162,10 @@ class _Trying:
             for options in ways:
                 plan = self.best.plan.with_execution(options.to_dict())
                 trajectory = generate(self.scenario, plan, options)
-                alive = sum(run_trial(trajectory, self.scenario, copy, self.controls).success for copy in harder)
-                scored.append((alive, -len(scored), plan, trajectory))
+                harder_trials = run_trials(trajectory, self.scenario, harder, self.controls)
+                scored.append((sum(t.success for t in harder_trials), -len(scored), plan, trajectory))
         for alive, _, plan, trajectory in sorted(scored, key=lambda s: s[:2], reverse=True):
-            verification = Verification(tuple(run_trial(trajectory, self.scenario, c, self.controls) for c in self._copies),
-                                        len(self._copies))
+            verification = verify(trajectory, self.scenario, self._copies, self.controls)
             if verification.survived >= self.best.share:
                 self.best = _Best(verification.survived, plan, trajectory, verification)
                 return

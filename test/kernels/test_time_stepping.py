@@ -13,8 +13,7 @@ H = 0.001  # [s]
 
 
 def work_of(world):
-    size = geometry.table_size(world.obj, world.palm, world.corners)
-    return np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_)
+    return stepping.new_work(world.obj, world.palm, world.corners)
 
 
 def one_step(world, q, v, efforts=(0.0, 0.0), friction=0.0, load=None, moment=None, work=None):
@@ -22,7 +21,8 @@ def one_step(world, q, v, efforts=(0.0, 0.0), friction=0.0, load=None, moment=No
     q, v = q.copy(), v.copy()
     closed, residual = stepping.step(
         *world.geometry, world.corners, world.inertias, world.load if load is None else load,
-        world.finger_moment if moment is None else moment, friction, np.asarray(efforts, float), H, q, v, work or work_of(world))
+        world.finger_moment if moment is None else moment, friction, stepping.NO_TILT, np.asarray(efforts, float), H, q, v,
+        work or work_of(world))
     return q, v, closed, residual
 
 
@@ -68,7 +68,7 @@ def test_complementarity_problems_are_solved_to_1e_9(rank):
         a, b = r @ r.T, r @ rng.normal(size=rank) + rng.uniform(0.0, 0.2, k) * (rng.random(k) < 0.5)
         z = np.empty(k)
         guess = rng.random(k) < 0.4
-        assert stepping.solve_lcp(a, b, guess, z) <= 1e-9
+        assert stepping.solve_lcp(r, r, b, guess, z) <= 1e-9
         w = a @ z + b
         assert z.min() >= -1e-9 and w.min() >= -1e-9 and abs(z @ w) < 1e-8
 
@@ -79,15 +79,15 @@ def test_the_solution_is_the_one_that_trying_all_active_sets_finds():
         k = int(rng.integers(1, 6))
         r = rng.normal(size=(k, 5))
         a, b, z = r @ r.T, r @ rng.normal(size=5), np.empty(k)
-        stepping.solve_lcp(a, b, np.zeros(k, np.bool_), z)
+        stepping.solve_lcp(r, r, b, np.zeros(k, np.bool_), z)
         np.testing.assert_allclose(a @ z + b, enumerated(a, b), atol=1e-8)
 
 
 def test_the_residual_sees_a_wrong_answer():
     a, b = np.eye(2), np.array([-1.0, 1.0])
-    assert stepping.lcp_residual(a, b, np.array([1.0, 0.0])) == 0.0
-    assert stepping.lcp_residual(a, b, np.array([0.5, 0.0])) == pytest.approx(0.5)
-    assert stepping.lcp_residual(a, b, np.array([1.0, -0.2])) == pytest.approx(0.2)
+    assert stepping.lcp_residual(a, a, b, np.array([1.0, 0.0])) == 0.0
+    assert stepping.lcp_residual(a, a, b, np.array([0.5, 0.0])) == pytest.approx(0.5)
+    assert stepping.lcp_residual(a, a, b, np.array([1.0, -0.2])) == pytest.approx(0.2)
 
 
 # ---------------------------------------------------------------------- one step
@@ -113,7 +113,7 @@ def test_impulses_push_and_only_where_contacts_close():
         free = v - H * np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])]) / world.inertias
         work = work_of(world)
         _, after, closed, _ = one_step(world, q, v, work=work)
-        gaps, codes, active = work
+        gaps, codes, active = work[:3]
         assert closed == active.sum()
         if not closed:
             np.testing.assert_allclose(after, free, atol=1e-12)
@@ -209,8 +209,8 @@ def test_the_compiled_loop_is_stepping_with_pd_delay_and_clipping():
     q, v = start.copy(), np.zeros(5)
     record = np.empty((12, 5)), np.empty((12, 5))
     count, residual = stepping.run_trajectory(
-        *world.geometry, world.corners, world.inertias, world.load, world.finger_moment, world.torque_limits, 0.02, gain,
-        delay, kp, kd, H, 0.004, angles, rates, efforts, sides, 0, q, v, 20, *record)
+        *world.geometry, world.corners, world.inertias, world.load, world.finger_moment, world.torque_limits, 0.02,
+        stepping.NO_TILT, gain, delay, kp, kd, H, 0.004, angles, rates, efforts, sides, 0, q, v, 20, *record)
 
     mine, speed, work, past = start.copy(), np.zeros(5), work_of(world), []
     seen = []

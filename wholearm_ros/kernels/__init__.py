@@ -3,5 +3,5 @@ from numba import njit
 
 
 def kernel(function):
-    """Compile once, keep on disk: a second process starts without compiling."""
-    return njit(cache=True, error_model='numpy', fastmath=False)(function)
+    """Compile once, keep on disk: a second process starts without compiling. It runs beside other threads."""
+    return njit(cache=True, error_model='numpy', fastmath=False, nogil=True)(function)

@@ -2,7 +2,7 @@
 import numpy as np
 
 from . import kernel
-from .geometry import (contact, entry_of, gap_table, hand_edge, normal_rows, object_edge, pair_body, pair_code,
+from .geometry import (contact, contact_in, entry_of, frame_of, gap_table, hand_edge, normal_rows, object_edge, pair_body, pair_code,
                        pair_hand_feature, pair_kind, pair_object_feature, table_size, tangent_rows)
 from .linear import null_vector, solve_in_place
 from .statics import equilibrium_forces, load_at, tilt_rows, torque_interval
@@ -59,8 +59,9 @@ def overshoot(obj, palm, fingers, corners, codes, limits, q, skip, gaps, table_c
     for e in range(gaps.shape[0]):
         if not skip[e] and -gaps[e] > worst:
             worst, event, which = -gaps[e], CLOSED, table_codes[e]
+    frame = frame_of(q)
     for i in range(codes.shape[0]):
-        _, _, _, _, _, along, length = contact(obj, palm, fingers, codes[i], q)
+        _, _, _, _, _, along, length = contact_in(obj, palm, fingers, codes[i], q, frame)
         past = max(-along, along - length)
         if past > worst:
             worst, event, which = past, EDGE_END, codes[i]
@@ -283,18 +284,18 @@ def next_pair_at_end(obj, palm, fingers, code, q):
     """
     body, hf, of = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
     n = obj.shape[0]
-    c, s = np.cos(q[2]), np.sin(q[2])
-    _, _, nx, ny, _, along, length = contact(obj, palm, fingers, code, q)
+    frame = frame_of(q)
+    _, _, nx, ny, _, along, length = contact_in(obj, palm, fingers, code, q, frame)
     at_end = along > 0.5 * length
     if pair_kind(code) == 0:
         vertex = of
-        _, _, dx, dy, _, _, _ = hand_edge(palm, fingers, body, hf, q)
+        _, _, dx, dy, _, _, _ = hand_edge(palm, fingers, body, hf, frame)
         corner = _hand_corner_at(body, hf, at_end)
         if not at_end:
             dx, dy = -dx, -dy
     else:
         vertex = (of + 1) % n if at_end else of
-        _, _, dx, dy, _, _, _ = object_edge(obj, of, q[0], q[1], c, s)
+        _, _, dx, dy, _, _, _ = object_edge(obj, of, q, frame)
         if at_end:
             dx, dy = -dx, -dy
         corner = hf
@@ -305,14 +306,14 @@ def next_pair_at_end(obj, palm, fingers, code, q):
         if k < 2:
             j = vertex if k == 0 else (vertex - 1) % n
             candidate = pair_code(1, body, corner, j)
-            _, _, _, _, mx, my, _ = object_edge(obj, j, q[0], q[1], c, s)
+            _, _, _, _, mx, my, _ = object_edge(obj, j, q, frame)
             mx, my = -mx, -my
         else:
             edge = _hand_edge_at(palm, body, corner, k - 2)
             if edge < 0:
                 continue
             candidate = pair_code(0, body, edge, vertex)
-            _, _, _, _, mx, my, _ = hand_edge(palm, fingers, body, edge, q)
+            _, _, _, _, mx, my, _ = hand_edge(palm, fingers, body, edge, frame)
         if candidate == code:
             continue
         turned = np.arctan2(dx * mx + dy * my, nx * mx + ny * my)

@@ -2,8 +2,11 @@
 
 A configuration is q = (x, y, φ, θ_L, θ_R): centroid [m], rotation [rad], joint angles [rad].
 A contact pair is one integer, see `pair_code`. Geometry arrays ("world"):
-    obj (n, 2) vertices about the centroid, palm (p, 2) polyline, fingers (2, 4) rows (axis x, axis y, length, half width),
+    obj (n, 5) vertices about the centroid, palm (p, 5) polyline, both with rows (x, y, normal x, y and length of the edge that
+    starts there; the normal points out of the object, and to the free side of the palm),
+    fingers (2, 4) rows (axis x, axis y, length, half width),
     corners (c,) indices of the palm vertices that can touch an object edge.
+Whoever asks for several pairs of one configuration finds its `frame_of` once and calls the functions that end in `_in`.
 """
 import numpy as np
 
@@ -42,19 +45,25 @@ def pair_object_feature(code):
 
 
 @kernel
-def finger_axes(fingers, side, theta):
+def frame_of(q):
+    """Cosine and sine of φ, θ_L and θ_R."""
+    return np.cos(q[2]), np.sin(q[2]), np.cos(q[3]), np.sin(q[3]), np.cos(q[4]), np.sin(q[4])
+
+
+@kernel
+def finger_axes(side, frame):
     """Direction u and inner normal w (towards the other finger) of a finger."""
-    ux, uy = np.cos(theta), np.sin(theta)
+    ux, uy = frame[2 + 2 * side], frame[3 + 2 * side]
     if side == 0:
         return ux, uy, uy, -ux
     return ux, uy, -uy, ux
 
 
 @kernel
-def finger_edge(fingers, side, feature, theta):
+def finger_edge(fingers, side, feature, frame):
     """(start x, y, direction x, y, outward normal x, y, length) of a finger's edge."""
     ax, ay, length, half = fingers[side, 0], fingers[side, 1], fingers[side, 2], fingers[side, 3]
-    ux, uy, wx, wy = finger_axes(fingers, side, theta)
+    ux, uy, wx, wy = finger_axes(side, frame)
     if feature == 0:
         return ax + half * wx, ay + half * wy, ux, uy, wx, wy, length
     if feature == 1:
@@ -65,9 +74,9 @@ def finger_edge(fingers, side, feature, theta):
 
 
 @kernel
-def finger_corner(fingers, side, feature, theta):
+def finger_corner(fingers, side, feature, frame):
     """(x, y) of a finger's corner at the tip."""
-    ux, uy, wx, wy = finger_axes(fingers, side, theta)
+    ux, uy, wx, wy = finger_axes(side, frame)
     h = fingers[side, 3] if feature == 0 else -fingers[side, 3]
     length = fingers[side, 2]
     return fingers[side, 0] + length * ux + h * wx, fingers[side, 1] + length * uy + h * wy
@@ -76,55 +85,56 @@ def finger_corner(fingers, side, feature, theta):
 @kernel
 def palm_edge(palm, k):
     """(start x, y, direction x, y, normal to the free side x, y, length) of a palm edge."""
-    dx, dy = palm[k + 1, 0] - palm[k, 0], palm[k + 1, 1] - palm[k, 1]
-    length = np.sqrt(dx * dx + dy * dy)
-    dx, dy = dx / length, dy / length
-    return palm[k, 0], palm[k, 1], dx, dy, -dy, dx, length
+    nx, ny = palm[k, 2], palm[k, 3]
+    return palm[k, 0], palm[k, 1], ny, -nx, nx, ny, palm[k, 4]
 
 
 @kernel
-def object_vertex(obj, i, x, y, c, s):
-    return x + c * obj[i, 0] - s * obj[i, 1], y + s * obj[i, 0] + c * obj[i, 1]
+def object_vertex(obj, i, q, frame):
+    c, s = frame[0], frame[1]
+    return q[0] + c * obj[i, 0] - s * obj[i, 1], q[1] + s * obj[i, 0] + c * obj[i, 1]
 
 
 @kernel
-def object_edge(obj, j, x, y, c, s):
+def object_edge(obj, j, q, frame):
     """(start x, y, direction x, y, outward normal x, y, length) of an object edge."""
-    k = j + 1 if j + 1 < obj.shape[0] else 0
-    ax, ay = object_vertex(obj, j, x, y, c, s)
-    bx, by = object_vertex(obj, k, x, y, c, s)
-    dx, dy = bx - ax, by - ay
-    length = np.sqrt(dx * dx + dy * dy)
-    dx, dy = dx / length, dy / length
-    return ax, ay, dx, dy, dy, -dx, length
+    c, s = frame[0], frame[1]
+    ax, ay = object_vertex(obj, j, q, frame)
+    nx, ny = c * obj[j, 2] - s * obj[j, 3], s * obj[j, 2] + c * obj[j, 3]
+    return ax, ay, -ny, nx, nx, ny, obj[j, 4]
 
 
 @kernel
-def hand_edge(palm, fingers, body, feature, q):
+def hand_edge(palm, fingers, body, feature, frame):
     if body == 0:
         return palm_edge(palm, feature)
-    return finger_edge(fingers, body - 1, feature, q[2 + body])
+    return finger_edge(fingers, body - 1, feature, frame)
 
 
 @kernel
-def hand_corner(palm, fingers, body, feature, q):
+def hand_corner(palm, fingers, body, feature, frame):
     if body == 0:
         return palm[feature, 0], palm[feature, 1]
-    return finger_corner(fingers, body - 1, feature, q[2 + body])
+    return finger_corner(fingers, body - 1, feature, frame)
 
 
 @kernel
 def contact(obj, palm, fingers, code, q):
     """(point x, y, normal towards the object x, y, gap, position along the edge, edge length) of a pair [m]."""
+    return contact_in(obj, palm, fingers, code, q, frame_of(q))
+
+
+@kernel
+def contact_in(obj, palm, fingers, code, q, frame):
+    """`contact`, the configuration's frame being known."""
     body, hand_feature, object_feature = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
-    c, s = np.cos(q[2]), np.sin(q[2])
     if pair_kind(code) == 0:
-        px, py = object_vertex(obj, object_feature, q[0], q[1], c, s)
-        ax, ay, dx, dy, nx, ny, length = hand_edge(palm, fingers, body, hand_feature, q)
+        px, py = object_vertex(obj, object_feature, q, frame)
+        ax, ay, dx, dy, nx, ny, length = hand_edge(palm, fingers, body, hand_feature, frame)
         rx, ry = px - ax, py - ay
         return px, py, nx, ny, nx * rx + ny * ry, dx * rx + dy * ry, length
-    px, py = hand_corner(palm, fingers, body, hand_feature, q)
-    ax, ay, dx, dy, mx, my, length = object_edge(obj, object_feature, q[0], q[1], c, s)
+    px, py = hand_corner(palm, fingers, body, hand_feature, frame)
+    ax, ay, dx, dy, mx, my, length = object_edge(obj, object_feature, q, frame)
     rx, ry = px - ax, py - ay
     return px, py, -mx, -my, mx * rx + my * ry, dx * rx + dy * ry, length
 
@@ -143,8 +153,9 @@ def fill_row(row, px, py, nx, ny, body, fingers, q):
 @kernel
 def normal_rows(obj, palm, fingers, codes, q, rows, gaps):
     """Fill rows (k, 5) = ∂gap/∂q = [G_nᵀ, −J_n] of eq. (1), and gaps (k,)."""
+    frame = frame_of(q)
     for i in range(codes.shape[0]):
-        px, py, nx, ny, gap, _, _ = contact(obj, palm, fingers, codes[i], q)
+        px, py, nx, ny, gap, _, _ = contact_in(obj, palm, fingers, codes[i], q, frame)
         fill_row(rows[i], px, py, nx, ny, pair_body(codes[i]), fingers, q)
         gaps[i] = gap
 
@@ -152,8 +163,9 @@ def normal_rows(obj, palm, fingers, codes, q, rows, gaps):
 @kernel
 def tangent_rows(obj, palm, fingers, codes, q, rows):
     """Fill rows (k, 5): sliding speed of the object on the hand is rows @ q̇, along the normal turned by +90°."""
+    frame = frame_of(q)
     for i in range(codes.shape[0]):
-        px, py, nx, ny, _, _, _ = contact(obj, palm, fingers, codes[i], q)
+        px, py, nx, ny, _, _, _ = contact_in(obj, palm, fingers, codes[i], q, frame)
         fill_row(rows[i], px, py, -ny, nx, pair_body(codes[i]), fingers, q)
 
 
@@ -181,60 +193,78 @@ def entry_of(obj, palm, corners, code):
 
 
 @kernel
-def corner_depth(obj, px, py, x, y, c, s):
+def corner_depth(obj, px, py, q, frame):
     """(signed distance of a point to the object's nearest edge line from outside, that edge): max over edges."""
+    c, s = frame[0], frame[1]
+    x, y = c * (px - q[0]) + s * (py - q[1]), c * (py - q[1]) - s * (px - q[0])
     best, edge = -np.inf, -1
     for j in range(obj.shape[0]):
-        ax, ay, dx, dy, mx, my, _ = object_edge(obj, j, x, y, c, s)
-        gap = mx * (px - ax) + my * (py - ay)
+        gap = obj[j, 2] * (x - obj[j, 0]) + obj[j, 3] * (y - obj[j, 1])
         if gap > best:
             best, edge = gap, j
     return best, edge
 
 
 @kernel
-def gap_table(obj, palm, fingers, corners, q, gaps, codes):
-    """Fill, for every entry, the signed gap [m] of the feature's nearest opposite edge and the code of that pair.
+def _vertex_on_palm(obj, palm, k, i, vx, vy):
+    """A vertex beside the edge's extent has an infinite gap."""
+    ax, ay, dx, dy, nx, ny, length = palm_edge(palm, k)
+    inside = 0.0 <= dx * (vx - ax) + dy * (vy - ay) <= length
+    return nx * (vx - ax) + ny * (vy - ay) if inside else np.inf, pair_code(0, 0, k, i)
 
-    A vertex beside a palm edge's extent has an infinite gap. Penetration shows as a negative entry.
-    """
+
+@kernel
+def _vertex_on_finger(fingers, side, i, vx, vy, frame):
+    ux, uy, wx, wy = finger_axes(side, frame)
+    rx, ry = vx - fingers[side, 0], vy - fingers[side, 1]
+    along, across = ux * rx + uy * ry, wx * rx + wy * ry
+    half = fingers[side, 3]
+    best, feature = across - half, 0
+    if along - fingers[side, 2] > best:
+        best, feature = along - fingers[side, 2], 1
+    if -across - half > best:
+        best, feature = -across - half, 2
+    if -along > best:
+        best, feature = -along, 3
+    return best, pair_code(0, 1 + side, feature, i)
+
+
+@kernel
+def _object_on_corner(obj, palm, fingers, corners, k, q, frame):
+    body, feature = (1 + k // 2, k % 2) if k < 4 else (0, corners[k - 4])
+    px, py = hand_corner(palm, fingers, body, feature, frame)
+    gap, edge = corner_depth(obj, px, py, q, frame)
+    return gap, pair_code(1, body, feature, edge)
+
+
+@kernel
+def table_entry(obj, palm, fingers, corners, e, q, frame):
+    """(signed gap [m] of an entry's feature to the nearest opposite edge, code of that pair); penetration is negative."""
     n, p = obj.shape[0], palm.shape[0] - 1
-    c, s = np.cos(q[2]), np.sin(q[2])
+    if e >= n * (p + 2):
+        return _object_on_corner(obj, palm, fingers, corners, e - n * (p + 2), q, frame)
+    column, i = e // n, e % n
+    vx, vy = object_vertex(obj, i, q, frame)
+    if column < p:
+        return _vertex_on_palm(obj, palm, column, i, vx, vy)
+    return _vertex_on_finger(fingers, column - p, i, vx, vy, frame)
+
+
+@kernel
+def gap_table(obj, palm, fingers, corners, q, gaps, codes):
+    """Fill gaps and codes of every `table_entry`."""
+    n, p = obj.shape[0], palm.shape[0] - 1
+    frame = frame_of(q)
     for i in range(n):
-        vx, vy = object_vertex(obj, i, q[0], q[1], c, s)
+        vx, vy = object_vertex(obj, i, q, frame)
         for k in range(p):
-            ax, ay, dx, dy, nx, ny, length = palm_edge(palm, k)
-            along = dx * (vx - ax) + dy * (vy - ay)
-            inside = 0.0 <= along <= length
-            gaps[k * n + i] = nx * (vx - ax) + ny * (vy - ay) if inside else np.inf
-            codes[k * n + i] = pair_code(0, 0, k, i)
+            gaps[k * n + i], codes[k * n + i] = _vertex_on_palm(obj, palm, k, i, vx, vy)
         for side in range(2):
-            ux, uy, wx, wy = finger_axes(fingers, side, q[3 + side])
-            rx, ry = vx - fingers[side, 0], vy - fingers[side, 1]
-            along, across = ux * rx + uy * ry, wx * rx + wy * ry
-            half = fingers[side, 3]
-            best, feature = across - half, 0
-            if along - fingers[side, 2] > best:
-                best, feature = along - fingers[side, 2], 1
-            if -across - half > best:
-                best, feature = -across - half, 2
-            if -along > best:
-                best, feature = -along, 3
-            entry = (p + side) * n + i
-            gaps[entry] = best
-            codes[entry] = pair_code(0, 1 + side, feature, i)
-    base = n * (p + 2)
-    for side in range(2):
-        for feature in range(2):
-            px, py = finger_corner(fingers, side, feature, q[3 + side])
-            gap, edge = corner_depth(obj, px, py, q[0], q[1], c, s)
-            gaps[base + 2 * side + feature] = gap
-            codes[base + 2 * side + feature] = pair_code(1, 1 + side, feature, edge)
-    for i in range(corners.shape[0]):
-        px, py = palm[corners[i], 0], palm[corners[i], 1]
-        gap, edge = corner_depth(obj, px, py, q[0], q[1], c, s)
-        gaps[base + 4 + i] = gap
-        codes[base + 4 + i] = pair_code(1, 0, corners[i], edge)
+            e = (p + side) * n + i
+            gaps[e], codes[e] = _vertex_on_finger(fingers, side, i, vx, vy, frame)
+    for k in range(4 + corners.shape[0]):
+        e = n * (p + 2) + k
+        gaps[e], codes[e] = _object_on_corner(obj, palm, fingers, corners, k, q, frame)
 
 
 @kernel
@@ -243,12 +273,14 @@ def finger_clearance(obj, fingers, side, theta, x, y, c, s):
 
     Unlike the gap table, which knows vertices only, it sees a finger that runs right through the object.
     """
-    ux, uy, wx, wy = finger_axes(fingers, side, theta)
+    u, v = np.cos(theta), np.sin(theta)
+    frame = c, s, u, v, u, v
+    ux, uy, wx, wy = finger_axes(side, frame)
     axis_x, axis_y, length, half = fingers[side, 0], fingers[side, 1], fingers[side, 2], fingers[side, 3]
     near_along, far_along, near_across, far_across = np.inf, -np.inf, np.inf, -np.inf
     greatest = -np.inf
     for i in range(obj.shape[0]):
-        vx, vy, _, _, mx, my, _ = object_edge(obj, i, x, y, c, s)
+        vx, vy, _, _, mx, my, _ = object_edge(obj, i, (x, y), frame)
         along, across = ux * (vx - axis_x) + uy * (vy - axis_y), wx * (vx - axis_x) + wy * (vy - axis_y)
         near_along, far_along = min(near_along, along), max(far_along, along)
         near_across, far_across = min(near_across, across), max(far_across, across)

@@ -8,153 +8,186 @@ import numpy as np
 from quantecon.optimize.lcp_lemke import lcp_lemke
 
 from . import kernel
-from .geometry import contact, fill_row, gap_table, pair_body, table_size
+from .geometry import contact_in, fill_row, frame_of, gap_table, pair_body, table_entry, table_size
+from .linear import solve_in_place
 
+LARGEST_GUESS = 6      # active contacts that are solved for at once
+SINGULAR = 1e-10       # smallest over largest pivot of an active set that is worth trying
 NEAR = 0.002           # [m] pairs nearer than this (plus what they may travel in a step) enter the LCP
 SLIP_SPEED = 1e-3      # [m/s] sliding slower than this has less than full friction
+WATCH = 0.006          # [m] of motion for which the list of pairs that may come near is good
+DEEPEST = 0.005        # [m] a deeper penetration is no contact: the feature is beyond the object
+NO_TILT = np.zeros(3)   # of the contact normals
 STICKS_OUT = -0.25     # of a penetration, corrected in one step
 
 
 @kernel
-def solve_lcp(a, b, guess, z):
-    """z ≥ 0 ⟂ a z + b ≥ 0, z (k,). First the active set `guess` (k,) bool (kept from the last step), then Lemke.
+def solve_lcp(rows, pushes, b, guess, z):
+    """z ≥ 0 ⟂ A z + b ≥ 0 with A = rows pushesᵀ (k, k), z (k,). First the active set `guess` (k,) bool (kept from the last
+    step), then Lemke.
 
-    Returns the residual max |min(z, a z + b)|.
+    Returns the residual max |min(z, A z + b)|.
     """
-    k = b.shape[0]
-    active = np.flatnonzero(guess[:k])
-    m = active.shape[0]
-    if m < 7:
-        z[:k] = 0.0
-        if m > 0:
-            sub, rhs = np.empty((m, m)), np.empty(m)
+    k, m = b.shape[0], 0
+    for i in range(k):
+        m += guess[i]
+    z[:] = 0.0
+    if m <= LARGEST_GUESS:
+        active, sub, rhs = np.empty(m, np.int64), np.empty((m, m)), np.empty((m, 1))
+        m = 0
+        for i in range(k):
+            if guess[i]:
+                active[m] = i
+                rhs[m, 0] = -b[i]
+                m += 1
+        for i in range(m):
+            for j in range(m):
+                sub[i, j] = _product(rows, active[i], pushes, active[j])
+        if m == 0 or solve_in_place(sub, rhs) > SINGULAR:
             for i in range(m):
-                rhs[i] = -b[active[i]]
-                for j in range(m):
-                    sub[i, j] = a[active[i], active[j]]
-            good = _solve_small(sub, rhs)
-        else:
-            good, rhs = True, np.empty(0)
-        if good:
-            for i in range(m):
-                z[active[i]] = rhs[i]
-            if lcp_residual(a, b, z) < 1e-11:
-                return lcp_residual(a, b, z)
-    answer = lcp_lemke(a, b)
-    z[:k] = answer.z
-    return lcp_residual(a, b, z)
+                z[active[i]] = rhs[i, 0]
+            residual = lcp_residual(rows, pushes, b, z)
+            if residual < 1e-11:
+                return residual
+    a = np.empty((k, k))
+    for i in range(k):
+        for j in range(k):
+            a[i, j] = _product(rows, i, pushes, j)
+    z[:] = lcp_lemke(a, b).z
+    return lcp_residual(rows, pushes, b, z)
 
 
 @kernel
-def lcp_residual(a, b, z):
-    """max_i |min(z_i, (a z + b)_i)|."""
+def _product(rows, i, pushes, j):
+    s = 0.0
+    for c in range(rows.shape[1]):
+        s += rows[i, c] * pushes[j, c]
+    return s
+
+
+@kernel
+def lcp_residual(rows, pushes, b, z):
+    """max_i |min(z_i, (rows pushesᵀ z + b)_i)|."""
+    moved = np.zeros(rows.shape[1])
+    for i in range(b.shape[0]):
+        if z[i] != 0.0:
+            for c in range(rows.shape[1]):
+                moved[c] += pushes[i, c] * z[i]
     worst = 0.0
     for i in range(b.shape[0]):
         w = b[i]
-        for j in range(b.shape[0]):
-            w += a[i, j] * z[j]
+        for c in range(rows.shape[1]):
+            w += rows[i, c] * moved[c]
         worst = max(worst, abs(min(z[i], w)))
     return worst
 
 
 @kernel
-def _solve_small(a, b):
-    """Gaussian elimination in place, b (m,) receives the solution; False when nearly singular."""
-    n = b.shape[0]
-    for k in range(n):
-        p = k
-        for i in range(k + 1, n):
-            if abs(a[i, k]) > abs(a[p, k]):
-                p = i
-        if abs(a[p, k]) < 1e-10:
-            return False
-        if p != k:
-            for j in range(k, n):
-                a[k, j], a[p, j] = a[p, j], a[k, j]
-            b[k], b[p] = b[p], b[k]
-        for i in range(k + 1, n):
-            f = a[i, k] / a[k, k]
-            for j in range(k + 1, n):
-                a[i, j] -= f * a[k, j]
-            b[i] -= f * b[k]
-    for k in range(n - 1, -1, -1):
-        v = b[k]
-        for j in range(k + 1, n):
-            v -= a[k, j] * b[j]
-        b[k] = v / a[k, k]
-    return True
+def new_work(obj, palm, corners):
+    """What `step` keeps from one step to the next, for one body of arrays; of no use with another configuration's steps.
+
+    (gaps, codes, active) of the gap table; (watched, ledger): entries that could close before the object or a finger has
+    moved by ledger[0] [m], ledger[1] of them, ledger[2] the longest lever; then room for the problem itself.
+    """
+    n = table_size(obj, palm, corners)
+    return (np.empty(n), np.empty(n, np.int64), np.zeros(n, np.bool_), np.empty(n, np.int64), np.zeros(3),
+            np.empty(n, np.int64), np.empty((n, 5)), np.empty((n, 5)), np.empty(n), np.empty(n), np.zeros(n, np.bool_),
+            np.empty((2, 5)))
 
 
 @kernel
-def step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, efforts, h, q, v, work):
+def _update_gaps(obj, palm, fingers, corners, q, frame, within, gaps, codes, active, watched, ledger):
+    """Gaps of the watched entries at q; of all of them, and which to watch, when enough has moved since that was done."""
+    if ledger[0] > 0.0:
+        for k in range(int(ledger[1])):
+            e = watched[k]
+            gaps[e], codes[e] = table_entry(obj, palm, fingers, corners, e, q, frame)
+        return
+    count = 0
+    gap_table(obj, palm, fingers, corners, q, gaps, codes)
+    for e in range(gaps.shape[0]):
+        if gaps[e] < within + WATCH or gaps[e] == np.inf:
+            watched[count] = e
+            count += 1
+        else:
+            active[e] = False
+    ledger[0], ledger[1], ledger[2] = WATCH, count, _reach(obj, palm, fingers, q) + WATCH
+
+
+@kernel
+def _reach(obj, palm, fingers, q):
+    """The longest lever [m] with which a rotation of the object or of a finger moves a contact."""
+    size = 0.0
+    for i in range(obj.shape[0]):
+        size = max(size, np.hypot(obj[i, 0], obj[i, 1]))
+    reach = size
+    for side in range(2):
+        away = np.hypot(q[0] - fingers[side, 0], q[1] - fingers[side, 1])
+        reach = max(reach, away + max(size, fingers[side, 2] + fingers[side, 3]))
+    for k in range(palm.shape[0]):
+        reach = max(reach, np.hypot(q[0] - palm[k, 0], q[1] - palm[k, 1]))
+    return reach
+
+
+@kernel
+def step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, tilts, efforts, h, q, v, work):
     """One step of h [s] from q, v (5,), both updated in place, under motor torques efforts (2,) [N m].
 
-    work: (gaps, codes, active) of the table's size, kept between steps. Returns (closed pairs, LCP residual [m/s]).
+    tilts (3,): of the contact normals of palm, left and right finger [rad]; work: see `new_work`.
+    Returns (closed pairs, LCP residual [m/s]).
     """
-    gaps, codes, active = work
-    gap_table(obj, palm, fingers, corners, q, gaps, codes)
-    free = np.empty(5)
+    gaps, codes, active, watched, ledger, near, rows, pushes, b, z, guess, vectors = work
+    frame = frame_of(q)
+    within = NEAR + 2.0 * h
+    _update_gaps(obj, palm, fingers, corners, q, frame, within, gaps, codes, active, watched, ledger)
+    free, slide = vectors[0], vectors[1]
     free[0] = v[0] - h * load[0] / inertias[0]
     free[1] = v[1] - h * load[1] / inertias[1]
     free[2] = v[2] - h * load[2] / inertias[2]
     for i in range(2):
-        free[3 + i] = v[3 + i] + h * (efforts[i] - finger_moment[i] * np.cos(q[3 + i])) / inertias[3 + i]
-    near = np.empty(gaps.shape[0], np.int64)
+        free[3 + i] = v[3 + i] + h * (efforts[i] - finger_moment[i] * frame[2 + 2 * i]) / inertias[3 + i]
     k = 0
-    for e in range(gaps.shape[0]):
-        if gaps[e] < NEAR + 2.0 * h and gaps[e] > -0.005:
+    for i in range(int(ledger[1])):
+        e = watched[i]
+        if -DEEPEST < gaps[e] < within:
             near[k] = e
             k += 1
-    if k == 0:
-        v[:] = free
-        q += h * v
-        active[:] = False
-        return 0, 0.0
-    rows, pushes, b = np.empty((k, 5)), np.empty((k, 5)), np.empty(k)
-    slide = np.empty(5)
-    guess, z = np.zeros(k, np.bool_), np.zeros(k)
+        else:
+            active[e] = False
     for i in range(k):
         e = near[i]
-        px, py, nx, ny, gap, _, _ = contact(obj, palm, fingers, codes[e], q)
+        px, py, nx, ny, gap, _, _ = contact_in(obj, palm, fingers, codes[e], q, frame)
         body = pair_body(codes[e])
         fill_row(rows[i], px, py, nx, ny, body, fingers, q)
-        gap = gaps[e] / h if gaps[e] > 0.0 else -STICKS_OUT * gaps[e] / h
-        b[i] = gap
+        b[i] = gaps[e] / h if gaps[e] > 0.0 else -STICKS_OUT * gaps[e] / h
         for j in range(5):
             b[i] += rows[i, j] * free[j]
-        sign = 0.0
-        if friction > 0.0:
+        sign = tilts[body]
+        if friction > 0.0 or sign != 0.0:
             fill_row(slide, px, py, -ny, nx, body, fingers, q)
             speed = 0.0
             for j in range(5):
                 speed += slide[j] * v[j]
-            sign = friction * min(max(speed / SLIP_SPEED, -1.0), 1.0)
+            sign += friction * min(max(speed / SLIP_SPEED, -1.0), 1.0)
         for j in range(5):
             pushes[i, j] = (rows[i, j] - (sign * slide[j] if sign != 0.0 else 0.0)) / inertias[j]
         guess[i] = active[e]
-    a = np.empty((k, k))
-    for i in range(k):
-        for j in range(k):
-            s = 0.0
-            for c in range(5):
-                s += rows[i, c] * pushes[j, c]
-            a[i, j] = s
-    residual = solve_lcp(a, b, guess, z)
-    active[:] = False
+    residual = solve_lcp(rows[:k], pushes[:k], b[:k], guess[:k], z[:k])
     closed = 0
     for i in range(k):
+        active[near[i]] = z[i] > 0.0
         if z[i] > 0.0:
-            active[near[i]] = True
             closed += 1
             for j in range(5):
                 free[j] += pushes[i, j] * z[i]
     v[:] = free
     q += h * v
+    ledger[0] -= h * (np.hypot(v[0], v[1]) + ledger[2] * (abs(v[2]) + max(abs(v[3]), abs(v[4]))))
     return closed, residual
 
 
 @kernel
-def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, torque_limits, friction, motor_gain,
+def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, torque_limits, friction, tilts, motor_gain,
                    delay_steps, kp, kd, h, period, angles, velocities, efforts, velocity_finger, settle_steps,
                    q, v, every, record_q, record_v):
     """The closed loop: PD on the velocity-controlled finger, open-loop torque on the other, for the whole trajectory.
@@ -163,9 +196,7 @@ def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, t
     period from each sample on; motor_gain: (2,); delay_steps of actuation.
     Records q and v every `every` steps into (r, 5) arrays. Returns (records, largest LCP residual).
     """
-    size = table_size(obj, palm, corners)
-    gaps, codes, active = np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_)
-    work = (gaps, codes, active)
+    work = new_work(obj, palm, corners)
     total = int(round(period * (angles.shape[0] - 1) / h)) + settle_steps
     pipe = np.zeros((delay_steps + 1, 2))
     torque, applied = np.empty(2), np.empty(2)
@@ -194,7 +225,7 @@ def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, t
             slot = 0
         for side in range(2):
             applied[side] = motor_gain[side] * pipe[slot, side]
-        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, applied, h, q, v, work)
+        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, tilts, applied, h, q, v, work)
         worst = max(worst, residual)
     if count < record_q.shape[0]:
         record_q[count], record_v[count] = q, v
@@ -211,9 +242,7 @@ def run_move(obj, palm, fingers, corners, inertias, load, finger_moment, torque_
     Every `every` steps records q, v (r, 5), the efforts (r, 2) (the velocity finger's averaged) and its wanted angle (r,).
     Returns (records, largest LCP residual). Stops early when the object leaves the hand.
     """
-    size = table_size(obj, palm, corners)
-    gaps, codes, active = np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_)
-    work = (gaps, codes, active)
+    work = new_work(obj, palm, corners)
     first = q[3 + side]
     before = efforts[1 - side]
     feed = efforts[side]
@@ -229,7 +258,7 @@ def run_move(obj, palm, fingers, corners, inertias, load, finger_moment, torque_
         for i in range(2):
             applied[i] = min(max(applied[i], -torque_limits[i]), torque_limits[i])
         mean += applied[side]
-        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, 0.0, applied, h, q, v, work)
+        _, residual = step(obj, palm, fingers, corners, inertias, load, finger_moment, 0.0, NO_TILT, applied, h, q, v, work)
         worst = max(worst, residual)
         if (n + 1) % every == 0:
             record_q[count], record_v[count] = q, v

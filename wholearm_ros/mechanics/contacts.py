@@ -138,7 +138,7 @@ def pose_on_palm(world: World, x: float, angle: float, segment: int = 0) -> np.n
     """(3,) pose whose lowest vertex touches the line of a palm segment, with the centroid at x [m]."""
     ax, ay, _, _, nx, ny, _ = geometry.palm_edge(world.palm, segment)
     c, s = np.cos(angle), np.sin(angle)
-    turned = world.obj @ np.array([[c, s], [-s, c]])
+    turned = world.obj[:, :2] @ np.array([[c, s], [-s, c]])
     reach = (turned @ [nx, ny]).min()
     y = ay + (-reach - nx * (x - ax)) / ny
     return np.array([x, y, angle])

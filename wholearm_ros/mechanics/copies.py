@@ -1,5 +1,6 @@
 """Perturbed copies of a task, and what they do under the closed loop: forward dynamics with PD and open-loop torque."""
 from dataclasses import dataclass
+from itertools import cycle, product
 
 import numpy as np
 
@@ -13,16 +14,19 @@ from .world import World, build_world
 
 STEP = 0.001         # [s]
 RECORD_EVERY = 0.02  # [s]
+TILT = 0.008         # [rad] by which the contact normals of the fingers of a perturbed copy are off
 
 
 @dataclass(frozen=True, eq=False)
 class Copy:
-    """The hand and object as they might truly be: its arrays, start (5,), goal rotation [rad] and actuation."""
+    """The hand and object as they might truly be: its arrays, start (5,), goal rotation [rad] and actuation; tilts (3,) of
+    the contact normals of palm, left and right finger [rad], as surfaces are not quite flat."""
 
     world: World
     start: np.ndarray
     goal_angle: float
     perturbation: Perturbation
+    tilts: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,15 +41,19 @@ class Run:
 
 
 def build_copies(scenario: Scenario, count: int, level: float, seed: int) -> tuple:
-    """The scenario as told, and `count` perturbed copies of it at `level` (see Perturbation), always the same."""
+    """The scenario as told, and `count` perturbed copies of it at `level` (see Perturbation), always the same.
+
+    The fingers' contact normals are off by TILT, every fourth copy in the same sense."""
     rng = np.random.default_rng(seed)
-    drawn = (NOMINAL, *(draw_perturbation(rng, level, scenario) for _ in range(count)))
-    return tuple(_copy(scenario, p) for p in drawn)
+    told = _copy(scenario, NOMINAL, 0.0, 0.0)
+    senses = cycle(product((TILT, -TILT), repeat=2))
+    return told, *(_copy(scenario, draw_perturbation(rng, level, scenario), *next(senses)) for _ in range(count))
 
 
-def _copy(scenario, perturbation):
+def _copy(scenario, perturbation, left_tilt, right_tilt):
     truth = perturbation.applied(scenario)
-    return Copy(build_world(truth), settled_start(scenario, truth), goal_rotation(truth), perturbation)
+    return Copy(build_world(truth), settled_start(scenario, truth), goal_rotation(truth), perturbation,
+                np.array([0.0, left_tilt, right_tilt]))
 
 
 def follow_setpoints(copy: Copy, q: np.ndarray, v: np.ndarray, period: float, angles: np.ndarray, velocities: np.ndarray,
@@ -59,7 +67,8 @@ def follow_setpoints(copy: Copy, q: np.ndarray, v: np.ndarray, period: float, an
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     qs, vs = np.empty((size, 5)), np.empty((size, 5))
     count, residual = stepping.run_trajectory(
-        *w.geometry, w.corners, w.inertias, w.load, w.finger_moment, w.torque_limits, p.friction, p.torque_factors,
+        *w.geometry, w.corners, w.inertias, w.load, w.finger_moment, w.torque_limits, p.friction, copy.tilts,
+        p.torque_factors,
         int(round(p.actuation_delay / STEP)), gains.kp, gains.kd, STEP, period, angles, velocities, efforts,
         velocity_fingers, int(round(settle / STEP)), q, v, int(round(RECORD_EVERY / STEP)), qs, vs)
     return Run(RECORD_EVERY * np.arange(count), qs[:count], q, v, residual)

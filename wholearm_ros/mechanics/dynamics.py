@@ -21,14 +21,18 @@ RATE_STEP = 1e-7           # [s] over which Ṅ is differenced
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics:
-    """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A (n, n) [1/kg], b (n,) [m/s²]; free (4,) accelerations without contact,
+    """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A = N response (n, n) [1/kg], N (n, 4), b (n,) [m/s²]; free (4,) accelerations without contact,
     response (4, n) of them to the forces; pairs: their codes."""
 
-    A: np.ndarray
+    N: np.ndarray
     b: np.ndarray
     free: np.ndarray
     response: np.ndarray
     pairs: tuple
+
+    @property
+    def A(self) -> np.ndarray:
+        return self.N @ self.response
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,17 +65,17 @@ def build_forward_dynamics(world: World, pairs: tuple, q: np.ndarray, q_dot: np.
     force = -load
     force[3 + torque_finger] += torque
     free = (force / world.inertias)[moving]
-    N = rows[:, moving]
+    N = np.ascontiguousarray(rows[:, moving])
     response = (N / world.inertias[moving]).T
     bias = rows[:, driven] * velocity_finger_acceleration + (ahead - rows) @ q_dot / RATE_STEP
-    return ForwardDynamics(N @ response, N @ free + bias, free, response, tuple(pairs))
+    return ForwardDynamics(N, N @ free + bias, free, response, tuple(pairs))
 
 
 def solve_forward_dynamics(problem: ForwardDynamics) -> ForwardDynamicsSolution:
     """Forces and accelerations. Raises SolverError when the complementarity is not met to RESIDUAL_TOLERANCE."""
     n = len(problem.b)
     forces = np.zeros(n)
-    stepping.solve_lcp(problem.A, problem.b, np.ones(n, dtype=np.bool_), forces)
+    stepping.solve_lcp(problem.N, problem.response.T.copy(), problem.b, np.ones(n, dtype=np.bool_), forces)
     answer = ForwardDynamicsSolution(problem, forces, problem.free + problem.response @ forces,
                                      problem.A @ forces + problem.b)
     allowed = RESIDUAL_TOLERANCE * max(1.0, np.abs(problem.b).max())

@@ -11,7 +11,7 @@ LENGTH_SCALE = 0.1  # [m] that counts as much as 1 rad where configurations are 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """obj (n, 2) [m] about the centroid, palm (p, 2) [m], fingers (2, 4) [m] (axis, length, half width),
+    """obj (n, 5), palm (p, 5) [m]: vertices, and normal and length of the edge that starts at each (see kernels/geometry); fingers (2, 4) [m] (axis, length, half width),
     corners (c,) palm vertices that can touch an object edge, scale (5,), limits (2, 2) [rad],
     load (5,) = (−g_O, ·) whose finger entries `load_at` fills in [N, N m], finger_moment (2,) [N m] = m g L / 2,
     inertias (5,) [kg, kg, kg m², …], torque_limits (2,) [N m].
@@ -40,8 +40,8 @@ def build_world(scenario: Scenario) -> World:
     fingers = [(*f.axis, f.length, f.half_width) for f in (hand.left, hand.right)]
     both = (hand.left, hand.right)
     return World(
-        obj=readonly(body.polygon.vertices_about_centroid),
-        palm=readonly(scenario.palm.vertices),
+        obj=readonly(_with_edges(body.polygon.vertices_about_centroid, closed=True)),
+        palm=readonly(_with_edges(scenario.palm.vertices, closed=False)),
         fingers=readonly(fingers),
         corners=readonly(_touchable_corners(scenario.palm.vertices), dtype=np.int64),
         scale=readonly([LENGTH_SCALE, LENGTH_SCALE, 1.0, 1.0, 1.0]),
@@ -51,6 +51,17 @@ def build_world(scenario: Scenario) -> World:
         inertias=readonly([body.mass, body.mass, body.inertia, both[0].inertia, both[1].inertia]),
         torque_limits=readonly([f.torque_limit for f in both]),
     )
+
+
+def _with_edges(vertices, closed):
+    """(n, 5) vertices, and of the edge that starts at each its normal and length: out of a closed polygon (counter-clockwise),
+    to the left of an open polyline, whose last vertex has no edge."""
+    d = np.roll(vertices, -1, axis=0) - vertices
+    length = np.linalg.norm(d, axis=1, keepdims=True)
+    normal = np.column_stack([d[:, 1], -d[:, 0]]) / length * (1.0 if closed else -1.0)
+    if not closed:
+        normal[-1], length[-1] = 0.0, 0.0
+    return np.hstack([vertices, normal, length])
 
 
 def _touchable_corners(palm: np.ndarray) -> list:

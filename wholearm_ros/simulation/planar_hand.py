@@ -29,8 +29,7 @@ class PlanarHand:
         self._dt = self.period / self._substeps
         self._world = build_world(self.scenario)
         self._friction = float(perturbation.friction)
-        size = geometry.table_size(self._world.obj, self._world.palm, self._world.corners)
-        self._work = (np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_))
+        self._work = self._new_work()
         self._drives = Drives(self.scenario, perturbation, self._dt)
         self._encoders = Encoders(perturbation)
         self._q, self._v, self.time = np.zeros(5), np.zeros(5), 0.0
@@ -39,18 +38,21 @@ class PlanarHand:
 
     def reset(self, configuration: np.ndarray) -> None:
         self._q, self._v, self.time = np.array(configuration, dtype=float), np.zeros(5), 0.0
-        self._work[2][:] = False
+        self._work = self._new_work()
         self.largest_residual = 0.0
         self._drives.reset(self._q[3:])
         self._encoders.reset()
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
+
+    def _new_work(self):
+        return stepping.new_work(self._world.obj, self._world.palm, self._world.corners)
 
     def step(self, efforts: Optional[np.ndarray]) -> None:
         w = self._world
         for _ in range(self._substeps):
             torques = self._drives.torques(efforts, self._q[3:], self._v[3:])
             _, residual = stepping.step(*w.geometry, w.corners, w.inertias, w.load, w.finger_moment, self._friction,
-                                        torques, self._dt, self._q, self._v, self._work)
+                                        stepping.NO_TILT, torques, self._dt, self._q, self._v, self._work)
             self.largest_residual = max(self.largest_residual, residual)
         self.time += self.period
         self._reading = self._encoders.read(self._q[3:], self._v[3:])

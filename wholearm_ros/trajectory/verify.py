@@ -1,5 +1,9 @@
 """Verification: a candidate trajectory run through our own forward dynamics, as told and in perturbed copies."""
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache, partial
+from typing import Iterator
 
 import numpy as np
 
@@ -8,6 +12,7 @@ from ..mechanics.copies import Copy, follow_setpoints
 from ..model.scenario import GoalAtPose, Scenario
 from ..model.trajectory import ManipulationTrajectory
 
+PROCESSORS = os.cpu_count() or 1
 SETTLE = 0.3           # [s] of holding after the trajectory's end
 ANGLE_TOLERANCE = 0.02  # [rad] from the goal's rotation; less than a run is allowed
 REST_SPEED = 0.005     # [m/s] of the centroid at the end
@@ -53,7 +58,20 @@ class Verification:
 def verify(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple,
            controls: ControlOptions = ControlOptions()) -> Verification:
     """Run every copy."""
-    return Verification(tuple(run_trial(trajectory, scenario, copy, controls) for copy in copies), len(copies))
+    return Verification(tuple(run_trials(trajectory, scenario, copies, controls)), len(copies))
+
+
+def run_trials(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple,
+               controls: ControlOptions) -> Iterator[Trial]:
+    """The trials in the order of their copies, after the first as many at once as there are processors."""
+    for k in (0, *range(1, len(copies), PROCESSORS)):
+        yield from _threads().map(partial(run_trial, trajectory, scenario, controls=controls),
+                                  copies[k:k + PROCESSORS if k else 1])
+
+
+@cache
+def _threads():
+    return ThreadPoolExecutor(PROCESSORS, 'verification')
 
 
 def run_trial(trajectory: ManipulationTrajectory, scenario: Scenario, copy: Copy, controls: ControlOptions) -> Trial:
