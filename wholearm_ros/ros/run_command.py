@@ -72,7 +72,7 @@ def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario 
     show(report, options)
     if figures is not None and report.judged is not None:
         for path in figures_of(options.record, figures):
-            out.print(f'figure      {path}', soft_wrap=True)
+            out.print(f'{"report" if path.suffix == ".html" else "figure":12}{path}', soft_wrap=True)
     raise typer.Exit(OK if report.success else FAILED)
 
 
@@ -81,7 +81,7 @@ def show(report: RunReport, options: RunOptions):
     def line(name, text):
         out.print(f'{name:12}{escape(text)}', soft_wrap=True)
     line('scenario', options.scenario)
-    line('plan', report.message)
+    line('plan', report.message.removeprefix('plan '))
     times = ', '.join(f'{name} {seconds:.2f} s' for name, seconds in report.timings.items())
     search = ', '.join(f'{key.removesuffix("_ms")} {float(report.planner[key]):.0f} ms'
                        for key in ('plan_ms', 'generate_ms', 'verify_ms') if key in report.planner)
@@ -93,7 +93,7 @@ def show(report: RunReport, options: RunOptions):
         x, y, turn = judged.pose
         line('goal', f'{report.result.get("outcome")}: {report.result.get("reason")}')
         line('final pose', f'x {x:.6f} m, y {y:.6f} m, rotation {turn:.6f} rad; {judged.angle_error:+.4f} rad from the '
-             f'goal, {1e3 * judged.gap:+.2f} mm from the palm')
+             f'goal, {1e3 * judged.gap:+.3f} mm from the palm')
     if options.record:
         line('bag', str(options.record))
     if report.success:
