@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from make_suite import random_task
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 from timing import seconds
 
 from wholearm_ros.kernels import geometry
@@ -33,7 +33,7 @@ from wholearm_ros.warm import warm
 ROOT = Path(__file__).parents[1]
 VERTICES, SHAPES = (3, 4, 6, 8, 12, 16, 24), 8
 COPIES = (1, 2, 4, 8, 16, 32, 64)
-SUITES, CORES = (48, 96, 192, 384), (1, 2)
+SUITES, CORES = (24, 48, 96, 192), (1, 2)
 ESTIMATED = 2000  # tasks, by the straight line
 QUICK = SuiteOptions(candidates=1, moves=0, backend='planar')  # a suite's tasks are tried once each: it is their number that counts
 TITLES = {'vertices': 'vertices of the polygon', 'copies': 'perturbed copies', 'suites': 'tasks of a suite'}
@@ -103,7 +103,7 @@ def exponent(sizes, values) -> float:
 
 def show(parts: dict):
     """A table of exponents, and what a suite of 2,000 tasks would take."""
-    table = Table('what', 'against', 'from', 'to', 'smallest [s]', 'largest [s]', 'exponent', box=None)
+    table = Table(*(Column(name, no_wrap=True) for name in ('what', 'against', 'from', 'to', 'first [s]', 'last [s]', 'exponent')), box=None)
     for name, part in parts.items():
         for series, values in part['series'].items():
             table.add_row(series, TITLES[name], str(part['sizes'][0]), str(part['sizes'][-1]), f'{values[0]:.3g}', f'{values[-1]:.3g}',
