@@ -7,7 +7,7 @@ from wholearm_ros.kernels import geometry
 def object_at(world, q) -> np.ndarray:
     """(n, 2) vertices in the palm frame."""
     c, s = np.cos(q[2]), np.sin(q[2])
-    return q[:2] + world.obj @ np.array([[c, s], [-s, c]])
+    return q[:2] + world.obj[:, :2] @ np.array([[c, s], [-s, c]])
 
 
 def outlines(vertices: np.ndarray) -> tuple:
@@ -30,8 +30,8 @@ def gap_table(world, q) -> np.ndarray:
     vertices = object_at(world, q)
     _, normals, _ = outlines(vertices)
     gaps = []
-    d = np.diff(world.palm, axis=0)
-    for start, along, length in zip(world.palm, d / np.linalg.norm(d, axis=1)[:, None], np.linalg.norm(d, axis=1)):
+    d = np.diff(world.palm[:, :2], axis=0)
+    for start, along, length in zip(world.palm[:, :2], d / np.linalg.norm(d, axis=1)[:, None], np.linalg.norm(d, axis=1)):
         across = (vertices - start) @ np.array([-along[1], along[0]])
         place = (vertices - start) @ along
         gaps.append(np.where((place >= 0) & (place <= length), across, np.inf))
@@ -42,7 +42,7 @@ def gap_table(world, q) -> np.ndarray:
         along, across = (vertices - axis) @ u, (vertices - axis) @ w
         gaps.append(np.max([across - half, along - length, -across - half, -along], axis=0))
         tips += [axis + length * u + half * w, axis + length * u - half * w]
-    points = np.vstack([tips, world.palm[world.corners]])
+    points = np.vstack([tips, world.palm[world.corners, :2]])
     heights = np.einsum('pni,ni->pn', points[:, None] - vertices[None], normals)
     return np.concatenate([*gaps, heights.max(axis=1)])
 
@@ -59,7 +59,7 @@ def rows_and_gaps(world, codes, q) -> tuple:
             start, n = _palm_edge(world, hand) if body == 0 else _finger_edge(world, body - 1, hand, q[2 + body])
             gaps[i] = n @ (point - start)
         else:
-            point = world.palm[hand] if body == 0 else _finger_corner(world, body - 1, hand, q[2 + body])
+            point = world.palm[hand, :2] if body == 0 else _finger_corner(world, body - 1, hand, q[2 + body])
             n = -normals[mine]
             gaps[i] = normals[mine] @ (point - vertices[mine])
         r = point - q[:2]
@@ -71,9 +71,9 @@ def rows_and_gaps(world, codes, q) -> tuple:
 
 
 def _palm_edge(world, k):
-    d = world.palm[k + 1] - world.palm[k]
+    d = world.palm[k + 1, :2] - world.palm[k, :2]
     d = d / np.linalg.norm(d)
-    return world.palm[k], np.array([-d[1], d[0]])
+    return world.palm[k, :2], np.array([-d[1], d[0]])
 
 
 def _finger_edge(world, side, feature, theta):
