@@ -29,28 +29,30 @@ FORMAT = 'wholearm-bench/1'
 HERE = Path(__file__).parent
 SCENARIOS = [HERE.parent / 'config' / f'{name}.yaml' for name in ('asymmetric_hexagon', 'regular_hexagon')]
 PARTS = ('kernels', 'suite', 'process', 'node')
-out = Console(highlight=False)
+out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 
 
-def measure(options) -> dict:
-    """name → row of all parts asked for."""
-    rows, repeats = {}, 1 if options.quick else 3
-    tasks = load_suite(options.suite)[:options.tasks]
+def measure(options):
+    """(name of the part, its rows), one part after the other."""
+    repeats, tasks = 1 if options.quick else 3, load_suite(options.suite)[:options.tasks]
     parts = {
         'kernels': lambda: bench_kernels(load_scenario(SCENARIOS[0]), *((20, 2) if options.quick else ())),
         'suite': lambda: bench_suite(tasks, repeats),
         'process': lambda: _named('process.warm', bench_fresh_process(SCENARIOS[0])),
-        'node': lambda: bench_planner_node(SCENARIOS[:1] if options.quick else SCENARIOS, 3 if options.quick else 20)}
-    for name in options.parts:
+        'node': lambda: bench_planner_node(SCENARIOS[:1] if options.quick else SCENARIOS, 3 if options.quick else 8),
+        'process without compiled kernels': lambda: _named('process.cold', _in_empty_cache(bench_fresh_process, SCENARIOS[0])),
+        'node without compiled kernels': lambda: _named('cold', _in_empty_cache(bench_planner_node, SCENARIOS[:1], 0)),
+        'make run': bench_make_run}
+    cold = list(parts)[4:6] if options.cold else []
+    for name in (*options.parts, *cold, *(['make run'] if options.make_run else [])):
         out.print(f'measuring: {name} ...', style='dim')
-        rows |= parts[name]()
-    if options.cold:
-        out.print('measuring: process and node without compiled kernels, a few minutes ...', style='dim')
-        with tempfile.TemporaryDirectory() as empty:
-            rows |= _named('process.cold', bench_fresh_process(SCENARIOS[0], empty))
-        with tempfile.TemporaryDirectory() as empty:
-            rows |= _named('cold', bench_planner_node(SCENARIOS[:1], 0, empty))
-    return {**rows, **(bench_make_run() if options.make_run else {})}
+        yield name, parts[name]()
+
+
+def _in_empty_cache(work, *arguments) -> dict:
+    """With a directory for compiled kernels in which there are none: minutes."""
+    with tempfile.TemporaryDirectory() as empty:
+        return work(*arguments, empty)
 
 
 def document(rows: dict, options) -> dict:
@@ -96,7 +98,7 @@ def arguments(given=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--suite', type=Path, default=HERE / 'suite.json')
     parser.add_argument('--tasks', type=int, metavar='N', help='only the first N tasks of the suite')
-    parser.add_argument('--parts', nargs='+', choices=PARTS, default=PARTS)
+    parser.add_argument('--parts', nargs='*', choices=PARTS, default=PARTS)
     parser.add_argument('--cold', action='store_true', help='also without compiled kernels on disk')
     parser.add_argument('--make-run', action='store_true', help='also `make run`')
     parser.add_argument('--quick', action='store_true', help='few repeats, to see that it works')
@@ -110,10 +112,12 @@ def main():
     if options.compare:
         return compare(options.compare)
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    result = document(measure(options), options)
-    show(result)
     options.json.parent.mkdir(parents=True, exist_ok=True)
-    options.json.write_text(json.dumps(result, indent=1) + '\n')
+    rows = {}
+    for _, more in measure(options):
+        rows |= more
+        options.json.write_text(json.dumps(document(rows, options), indent=1) + '\n')  # what is done is kept
+    show(document(rows, options))
     out.print(f'written: {options.json}', soft_wrap=True)
 
 

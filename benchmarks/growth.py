@@ -8,6 +8,7 @@ table are drawn from what is there. An exponent is the slope of a straight line 
 import argparse
 import json
 import os
+import sys
 import time
 from pathlib import Path
 
@@ -33,11 +34,11 @@ from wholearm_ros.warm import warm
 ROOT = Path(__file__).parents[1]
 VERTICES, SHAPES = (3, 4, 6, 8, 12, 16, 24), 8
 COPIES = (1, 2, 4, 8, 16, 32, 64)
-SUITES, CORES = (24, 48, 96, 192), (1, 2)
+SUITES, CORES = (12, 24, 48, 96), (1, 2)
 ESTIMATED = 2000  # tasks, by the straight line
 QUICK = SuiteOptions(candidates=1, moves=0, backend='planar')  # a suite's tasks are tried once each: it is their number that counts
 TITLES = {'vertices': 'vertices of the polygon', 'copies': 'perturbed copies', 'suites': 'tasks of a suite'}
-out = Console(highlight=False)
+out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 
 
 def vertices() -> dict:
