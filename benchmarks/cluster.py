@@ -52,6 +52,7 @@ def main():
     parser.add_argument('--workers', type=int, default=2)
     parser.add_argument('--time-budget', type=float, default=3.0)
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that no process of the cluster is left behind
     tasks, heard, began = load_suite(options.suite), [], time.monotonic()
 
     def tell(text):
