@@ -1,4 +1,5 @@
-# make run | make test | make bench | make test-faults | make colcon | make bags | make clean. The environment in .venv is made once.
+# make run [SCENARIO=my.yaml] | make test | make bench | make test-faults | make colcon | make bags | make clean.
+# The environment in .venv is made once. ARGS=... goes on to the tests and to the benchmark.
 SHELL := /bin/bash
 VENV := .venv
 PY := $(VENV)/bin/python
@@ -11,7 +12,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 .PHONY: run test test-faults bench install bags colcon clean
 run: $(STAMP)
 	@out=runs/$$(date +%Y-%m-%d_%H-%M-%S); mkdir -p $$out; \
-	$(PY) -m wholearm_ros run --pacing lockstep --record $$out/bag --figures $$out/figures
+	$(PY) -m wholearm_ros run $(SCENARIO) --pacing lockstep --record $$out/bag --figures $$out/figures
 
 test: $(STAMP)
 	@$(PY) -m pytest -m "not faults" $(ARGS)
@@ -20,7 +21,7 @@ test-faults: $(STAMP)
 	@$(PY) -m pytest -m faults $(ARGS)
 
 bench: $(STAMP)
-	@for script in benchmarks/*.py; do echo "== $$script"; $(PY) $$script || exit 1; done
+	@$(PY) benchmarks/bench.py $(ARGS)
 
 # The same tree by colcon, as beside a sourced ROS 2; then imported from its install space.
 COLCON := colcon-core colcon-ros colcon-python-setup-py colcon-recursive-crawl colcon-output colcon-package-information

@@ -1,6 +1,6 @@
 """How plans hold up: every task of a suite planned once, then executed in PyBullet at several levels of perturbation.
 
-    python benchmarks/robustness.py SUITE.json [--levels 0 0.5 1 2] [--draws 5] [--jobs 2] [--json OUT]
+    python benchmarks/robustness.py [SUITE.json] [--levels 0 0.5 1 2] [--draws 5] [--jobs 2] [--json OUT]
 
 Prints, for each level, the runs, how many ended with the object at rest on its goal edge, and the share; and for the whole
 suite planned, executed and the times of planning.
@@ -11,6 +11,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def judge(task: dict, levels: tuple, draws: int, seed: int) -> dict:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('suite')
+    parser.add_argument('suite', type=Path, nargs='?', default=Path(__file__).with_name('suite.json'))
     parser.add_argument('--levels', type=float, nargs='+', default=[0.0, 0.5, 1.0, 2.0])
     parser.add_argument('--draws', type=int, default=5)
     parser.add_argument('--seed', type=int, default=0)

@@ -1,12 +1,13 @@
 """Best search against the paper's randomized search: cost of the route, subgoals generated, time.
 
-    python benchmarks/search_cost.py SUITE.json [--seeds 10]
+    python benchmarks/search_cost.py [SUITE.json] [--seeds 10]
 
 Margin: least robust half width of the torque range [N m]; cost: contact-state changes plus motion [rad].
 """
 import argparse
 import json
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -23,7 +24,7 @@ def timed(scenario, options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('suite')
+    parser.add_argument('suite', type=Path, nargs='?', default=Path(__file__).with_name('suite.json'))
     parser.add_argument('--seeds', type=int, default=10)
     options = parser.parse_args()
     with open(options.suite) as file:

@@ -133,12 +133,14 @@ def simulate(source: Path = typer.Argument(..., metavar='PLAN_OR_SCENARIO',
 def suite(file: Path = typer.Argument(..., metavar='FILE', help='A wholearm-suite/1 document.'),
           seed: int = SeedOption, perturb: float = PerturbOption,
           draws: int = typer.Option(1, '--draws', min=1, max=1000, help='Perturbed runs of each plan.'),
-          jobs: int = typer.Option(1, '--jobs', min=1, max=256, help='Processes.'),
+          jobs: int = typer.Option(1, '--jobs', min=1, max=256, help='Processes of this machine.'),
+          scheduler: Optional[str] = typer.Option(None, '--scheduler', metavar='ADDRESS', help='Work on the workers of this Dask '
+                                                  'scheduler instead, e.g. tcp://127.0.0.1:8786.'),
           search: Search = SearchOption, transition: Transition = TransitionOption, time_budget: float = BudgetOption,
           backend: Backend = BackendOption, json_out: Optional[Path] = JsonOption):
     """Plan and execute many scenarios, and count what was planned and what reached its goal.
 
-    Example: wholearm suite suite.json --perturb 1 --draws 5 --jobs 2 --json result.json
+    Example: wholearm suite benchmarks/suite.json --perturb 1 --draws 5 --jobs 2 --json result.json
     """
     from .simulation.report import show_suite, suite_document, with_progress
     from .simulation.suite import SuiteOptions, run_suite, summarize
@@ -146,10 +148,10 @@ def suite(file: Path = typer.Argument(..., metavar='FILE', help='A wholearm-suit
     tasks = load_suite(file)
     options = SuiteOptions(seed=seed, perturb=perturb, draws=draws, search=search.value, transition=transition.value,
                            time_budget=time_budget, backend=backend.value)
-    results = with_progress(err, tasks, lambda heard: run_suite(tasks, options, jobs, heard))
+    results = with_progress(err, tasks, lambda heard: run_suite(tasks, options, jobs, heard, scheduler))
     summary = summarize(results)
     if json_out:
-        _write_json(json_out, suite_document(str(file), options, results, summary))
+        _write_json(json_out, suite_document(str(file), tasks, options, results, summary))
     show_suite(out, results, summary)
     raise typer.Exit(FAILED if summary['errors'] else OK)
 

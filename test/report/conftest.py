@@ -41,6 +41,15 @@ def bag(request, made, tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope='session')
+def bag_mcap(made, tmp_path_factory):
+    """The run as an MCAP bag."""
+    path = tmp_path_factory.mktemp('bags') / 'mcap'
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        _write(writer, *made)
+    return path
+
+
 def _write(writer, plan, trajectory, record):
     t = STORE.types
     stamp = lambda s: t['builtin_interfaces/msg/Time'](int(s), round((s % 1.0) * 1e9))

@@ -1,4 +1,6 @@
 """What the figures show is what the run did."""
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -80,3 +82,22 @@ def test_what_touches_at_the_start_are_four_contacts_or_more(told):
     points, normals = touching(plan.scenario, plan.subgoals[0].configuration)
     assert len(points) >= 4 and np.allclose(np.linalg.norm(normals, axis=1), 1.0)
     assert len(touching(plan.scenario, np.full(5, np.nan))[0]) == 0
+
+
+def test_normals_point_into_the_object_and_each_pushing_feature_has_one(told):
+    """At a finger's corner the pair with the edge on its far side is as near as the one that pushes."""
+    plan, _, run = told
+    seen = 0
+    for pose, angles in zip(run.poses[::20], run.angles[::20]):
+        points, normals = touching(plan.scenario, np.concatenate([pose, angles]))
+        assert ((normals * (pose[:2] - points)).sum(axis=1) > 0.0).all()
+        seen += len(points)
+    assert seen > 3 * len(run.times[::20])
+
+
+def test_a_range_in_which_nothing_bears_the_object_is_not_hatched(told):
+    """Its ends the wrong way round, low above high: turned over it would look like the widest of all."""
+    _, trajectory, run = told
+    empty = replace(trajectory, torque_ranges=trajectory.torque_ranges[:, ::-1])
+    assert np.isfinite(controlled(trajectory, run).torque_range).any()
+    assert np.isnan(controlled(empty, run).torque_range).all()

@@ -3,8 +3,10 @@ import json
 import re
 import shutil
 
+import numpy as np
 import pytest
 
+from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.report.page import page
 from wholearm_ros.report.run_page import run_page
 from wholearm_ros.report.suite_page import suite_page
@@ -74,12 +76,12 @@ def opened(browser, path, width, height):
     assert browser.execute_script('return document.documentElement.scrollWidth <= window.innerWidth')
 
 
-def theme(browser, scheme) -> tuple:
+def theme(browser, scheme, plot='plots') -> tuple:
     """Colours of the page and of the plot's text once the system's theme is `scheme`."""
     browser.execute_cdp_cmd('Emulation.setEmulatedMedia', {'features': [{'name': 'prefers-color-scheme', 'value': scheme}]})
     return tuple(browser.execute_async_script(
         "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done(["
-        "getComputedStyle(document.body).backgroundColor, document.getElementById('plots').layout.font.color])))"))
+        f"getComputedStyle(document.body).backgroundColor, document.getElementById('{plot}').layout.font.color])))"))
 
 
 SLIDE = ("const s = document.getElementById('time'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
@@ -108,10 +110,33 @@ def test_the_slider_moves_the_drawing_and_the_cursor(browser, told, text, tmp_pa
     assert browser.get_log('browser') == []
 
 
-def test_a_task_of_a_suite_opens(browser, tmp_path):
+@pytest.fixture(scope='module')
+def suite_text(told):
+    plan, _, run = told
+    rows = np.hstack([run.poses, run.angles])[::40]
+    motion = {'period': 0.04, 'rows': rows.tolist(), 'modes': list(run.modes[::40])}
+    first = {**SUITE['tasks'][0], 'motion': motion, 'scenario': scenario_to_dict(plan.scenario)}
+    return suite_page([{**SUITE, 'tasks': [first, SUITE['tasks'][1]]}])
+
+
+MOVE = ("const s = document.querySelector('#details input'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
+        "return [document.getElementById('object').getAttribute('transform'), document.querySelector('#details .chip').textContent]")
+
+
+@pytest.mark.parametrize('width, height', WIDTHS)
+def test_a_task_of_a_suite_opens_and_its_run_plays(browser, suite_text, tmp_path, width, height):
     path = tmp_path / 'suite.html'
-    path.write_text(suite_page([SUITE]), encoding='utf-8')
-    opened(browser, path, *WIDTHS[1])
+    path.write_text(suite_text, encoding='utf-8')
+    opened(browser, path, width, height)
     browser.execute_script("document.querySelector('#tiles button').click()")
     assert 'fell' in browser.execute_script("return document.getElementById('details').textContent")
+    assert browser.execute_async_script("const done = arguments[0], s = document.querySelector('#details input');"
+                                        "const wait = () => s.value > 0.1 ? done(true) : requestAnimationFrame(wait); wait()")
+    seen = [browser.execute_script(MOVE, t) for t in (0.2, 2.0, 100.0)]
+    assert len({transform for transform, _ in seen}) == 3 and seen[0][1] == 'dwell' and seen[2][1] == 'done'
+    assert browser.execute_script('return document.documentElement.scrollWidth <= window.innerWidth')
+    assert theme(browser, 'light', 'times') != theme(browser, 'dark', 'times')
+    browser.execute_script("document.querySelectorAll('#tiles button')[1].click()")
+    assert 'exhausted' in browser.execute_script("return document.getElementById('details').textContent")
+    assert browser.execute_script("return document.querySelector('#details svg')") is None
     assert browser.get_log('browser') == []

@@ -11,6 +11,7 @@ from ..model.scenario import Scenario
 
 MARGIN = 0.012       # [m] left free around what is shown
 TOUCH = 6e-4         # [m] gap below which a contact is drawn; PyBullet's own gaps are about half of it
+PROBE = 2e-3         # [m] along a normal: whoever pushes the object is outside of it, what is pushed is inside
 
 
 def finger_outline(finger: Finger, theta: float) -> np.ndarray:
@@ -44,8 +45,18 @@ def touching(scenario: Scenario, configuration: np.ndarray) -> Tuple[np.ndarray,
     """The same of whatever is closed to within TOUCH at a configuration; nothing when the object's pose is not known."""
     if not np.isfinite(configuration).all():
         return np.empty((0, 2)), np.empty((0, 2))
-    world = build_world(scenario)
-    return contact_marks(scenario, configuration, [pair_name(c) for c in closed_pairs(world, configuration, TOUCH)])
+    closed = closed_pairs(build_world(scenario), configuration, TOUCH)
+    points, normals = contact_marks(scenario, configuration, [pair_name(c) for c in closed])
+    # A vertex at a finger's corner is near two edges of the finger, of which it may lie beside one.
+    pushing = [_inside(object_outline(scenario, configuration[:3]), p + PROBE * n) for p, n in zip(points, normals)]
+    return points[pushing], normals[pushing]
+
+
+def _inside(outline: np.ndarray, point: np.ndarray) -> bool:
+    """Whether a point lies in a counter-clockwise outline (n, 2), TOUCH beyond its edges included."""
+    edges, away = np.roll(outline, -1, axis=0) - outline, point - outline
+    heights = (edges[:, 1] * away[:, 0] - edges[:, 0] * away[:, 1]) / np.linalg.norm(edges, axis=1)
+    return bool(heights.max() <= TOUCH)
 
 
 def view_box(scenario: Scenario, poses: np.ndarray, angles: np.ndarray) -> Tuple[float, float, float, float]:

@@ -16,7 +16,7 @@ def page(title: str, body: str, data: dict, script: str) -> str:
         '<meta name="color-scheme" content="light dark">\n<link rel="icon" href="data:,">\n',
         f'<title>{escape(title)}</title>\n<style>\n{asset("page.css")}</style>\n</head>\n<body>\n{body}\n',
         f'<script>{get_plotlyjs()}</script>\n<script>const REPORT = {values};</script>\n',
-        f'<script>\n{asset("theme.js")}{asset(script)}</script>\n</body>\n</html>\n'])
+        f'<script>\n{asset("theme.js")}{asset("scene.js")}{asset(script)}</script>\n</body>\n</html>\n'])
 
 
 def asset(name: str) -> str:

@@ -5,9 +5,10 @@ from ..model.hand import SIDES
 from ..model.plan import ContactPlan
 from ..model.trajectory import ManipulationTrajectory
 from .mode_spans import executed_spans, planned_spans
-from .outlines import touching, view_box
+from .outlines import touching
 from .palette import MODE_COLOURS, MODE_NAMES
 from .run_view import RunView, controlled, planned_poses_at, setpoints_at
+from .scene import numbers, scene
 from .time_figure import torque_window
 
 RATE = 100.0   # [1/s]
@@ -21,19 +22,19 @@ def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
     planned_angles = setpoints_at(trajectory, times)[1]
     bottom, top, note = torque_window(both)
     return {
-        'times': _numbers(times, 4), 'modes': [run.modes[k] for k in rows],
+        'times': numbers(times, 4), 'modes': [run.modes[k] for k in rows],
         'pose': _pose(run.poses[rows]), 'planned_pose': _pose(planned_poses_at(trajectory, times)),
-        'angles': _numbers(np.degrees(run.angles[rows]), 3), 'planned_angles': _numbers(np.degrees(planned_angles), 3),
+        'angles': numbers(np.degrees(run.angles[rows]), 3), 'planned_angles': numbers(np.degrees(planned_angles), 3),
         'touches': _touches(plan.scenario, run, rows),
-        'torque_side': both.torque_side[rows].tolist(), 'torque': _numbers(both.torque[rows], 4),
-        'planned_torque': _numbers(both.planned_torque[rows], 4),
-        'low': _numbers(both.torque_range[rows, 0], 4), 'high': _numbers(both.torque_range[rows, 1], 4),
-        'angle': _numbers(np.degrees(both.angle[rows]), 3), 'planned_angle': _numbers(np.degrees(both.planned_angle[rows]), 3),
-        'error': _numbers(1e3 * both.angle_error[rows], 3), 'torque_window': [bottom, top], 'torque_note': note,
+        'torque_side': both.torque_side[rows].tolist(), 'torque': numbers(both.torque[rows], 4),
+        'planned_torque': numbers(both.planned_torque[rows], 4),
+        'low': numbers(both.torque_range[rows, 0], 4), 'high': numbers(both.torque_range[rows, 1], 4),
+        'angle': numbers(np.degrees(both.angle[rows]), 3), 'planned_angle': numbers(np.degrees(both.planned_angle[rows]), 3),
+        'error': numbers(1e3 * both.angle_error[rows], 3), 'torque_window': [bottom, top], 'torque_note': note,
         'planned_modes': [[round(a, 4), round(b, 4), mode] for a, b, mode in planned_spans(trajectory)],
         'executed_modes': [[round(float(a), 4), round(float(b), 4), mode] for a, b, mode in executed_spans(run)],
         'subgoal_times': subgoal_times(plan, trajectory), 'colours': MODE_COLOURS, 'names': MODE_NAMES, 'sides': SIDES,
-        'scene': _scene(plan.scenario, run, rows),
+        'scene': scene(plan.scenario, run.poses[rows], run.angles[rows]),
     }
 
 
@@ -49,35 +50,14 @@ def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict
     return found
 
 
-def _scene(scenario, run, rows) -> dict:
-    """Outlines in their own frames [mm]: fingers along +x from their axes, the object about its centroid."""
-    left, right, bottom, top = view_box(scenario, run.poses[rows], run.angles[rows])
-    fingers = []
-    for finger in (scenario.hand.left, scenario.hand.right):
-        half, length = finger.half_width, finger.length
-        fingers.append({'axis': _numbers(1e3 * finger.axis, 2),
-                        'outline': _numbers(1e3 * np.array([[0, half], [0, -half], [length, -half], [length, half]]), 2)})
-    return {'box': _numbers(1e3 * np.array([left, -top, right - left, top - bottom]), 1), 'fingers': fingers,
-            'palm': _numbers(1e3 * scenario.palm.vertices, 2),
-            'object': _numbers(1e3 * scenario.object.polygon.vertices_about_centroid, 2)}
-
-
 def _touches(scenario, run, rows) -> list:
     """A row an instant: x, y, normal x, normal y of each contact, one after the other [mm, mm, 1, 1]."""
     result = []
     for k in rows:
         points, normals = touching(scenario, np.concatenate([run.poses[k], run.angles[k]]))
-        result.append(_numbers(np.hstack([1e3 * points, normals]).ravel(), 2))
+        result.append(numbers(np.hstack([1e3 * points, normals]).ravel(), 2))
     return result
 
 
 def _pose(poses) -> list:
-    return _numbers(poses * [1e3, 1e3, 180.0 / np.pi], 3)
-
-
-def _numbers(values, digits: int):
-    def shown(value):
-        if isinstance(value, list):
-            return [shown(v) for v in value]
-        return None if value != value else value
-    return shown(np.round(np.asarray(values, dtype=float), digits).tolist())
+    return numbers(poses * [1e3, 1e3, 180.0 / np.pi], 3)

@@ -39,8 +39,8 @@ def _summary(plan, trajectory, run) -> str:
     seconds = ', '.join(f'{MODE_NAMES[mode]} {value:.2f} s' for mode, value in trajectory.time_in_modes().items() if value)
     told = f'{trajectory.duration:.2f} s along {len(plan.path)} subgoals: {seconds}.'
     if run.judged is not None:
-        told += (f' At the end {run.judged.angle_error:+.4f} rad from the goal and {1e3 * run.judged.gap:+.2f} mm from '
-                 'the palm.')
+        told += (f' At the end {run.judged.angle_error:+.4f} rad from the goal and {abs(1e3 * run.judged.gap):.2f} mm '
+                 f'{"above" if run.judged.gap > 0 else "into"} the palm.')
     return escape(told)
 
 
@@ -51,7 +51,7 @@ def _modes(trajectory) -> str:
                    f'style="background:{MODE_COLOURS[s.mode]}">{MODE_NAMES[s.mode]}</button>')
         rows.append([f'{s.start:.2f}', f'{s.end:.2f}', f'{s.end - s.start:.2f}', chip, SIDES[s.velocity_finger],
                      SIDES[s.torque_finger], ', '.join(s.contacts)])
-    return table(['from [s]', 'to [s]', 'for [s]', 'mode', 'velocity finger', 'torque finger', 'contacts'], rows)
+    return table(['from [s]', 'to [s]', 'for [s]', 'mode', 'velocity finger', 'torque finger', 'contacts'], rows, 'long')
 
 
 def _transitions(trajectory) -> str:

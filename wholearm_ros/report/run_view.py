@@ -57,7 +57,8 @@ def view_of(record: RunRecord, scenario: Scenario, controls: ControlOptions = Co
 @dataclass(frozen=True, eq=False)
 class Controlled:
     """Planned and executed side by side at the run's instants, (m,) each: the torque-controlled finger's `side` and
-    pressing torques [N m], the velocity-controlled finger's angles [rad]."""
+    pressing torques [N m], the velocity-controlled finger's angles [rad]; torque_range (m, 2), NaN where there is none: out
+    of quasi-static motion, and where no torque bears the object."""
 
     torque_side: np.ndarray
     planned_torque: np.ndarray
@@ -85,8 +86,8 @@ def controlled(trajectory: ManipulationTrajectory, run: RunView) -> Controlled:
     first = np.array([s.start for s in segments])[place]  # the sample where two segments meet belongs to neither's range
     at = np.maximum((held / trajectory.period + 1e-6).astype(int), (first / trajectory.period + 1e-6).astype(int) + 1)
     at = np.minimum(at, len(trajectory.angles) - 1)
-    limits = np.sort(trajectory.torque_ranges[at] * sign[:, None], axis=1)
-    limits[np.array([s.mode != QUASI_STATIC for s in segments])[place]] = np.nan
+    limits = np.where(sign[:, None] > 0, trajectory.torque_ranges[at], -trajectory.torque_ranges[at][:, ::-1])
+    limits[np.array([s.mode != QUASI_STATIC for s in segments])[place] | (limits[:, 0] > limits[:, 1])] = np.nan
     return Controlled(t_side, sign * planned[rows, t_side], sign * run.efforts[rows, t_side], limits,
                       planned_angles[rows, 1 - t_side], run.angles[rows, 1 - t_side])
 

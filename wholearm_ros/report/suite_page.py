@@ -5,7 +5,10 @@ from typing import List
 import numpy as np
 
 from ..errors import DocumentError
+from ..model.scenario_file import parse_scenario
 from .page import asset, page, table
+from .palette import MODE_COLOURS, MODE_NAMES
+from .scene import numbers, scene
 
 KINDS = {'executed': 'executed', 'partly': 'executed in some draws', 'failed': 'planned, not executed',
          'unplanned': 'no plan', 'error': 'error'}
@@ -15,11 +18,11 @@ def suite_page(documents: List[dict]) -> str:
     """documents: `wholearm-suite-result/1`, the first in the grid; several give success against their perturbation."""
     try:
         first = documents[0]
-        data = {'tasks': [_task(t) for t in first['tasks']], 'kinds': KINDS,
+        data = {'tasks': [_task(t) for t in first['tasks']], 'kinds': KINDS, 'colours': MODE_COLOURS, 'names': MODE_NAMES,
                 'levels': sorted((_level(d) for d in documents), key=lambda level: level['level'])}
         body = asset('suite.html').replace('{{title}}', escape(str(first['suite']).rsplit('/', 1)[-1]))
         body = body.replace('{{summary}}', _summary(first)).replace('{{options}}', _options(documents))
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise DocumentError(f'suite result is damaged: {type(error).__name__}: {error}') from error
     return page(f'Suite {first["suite"]}', body, data, 'suite.js')
 
@@ -45,7 +48,17 @@ def _kind(task: dict) -> str:
 def _task(task: dict) -> dict:
     kept = {name: task.get(name) for name in ('name', 'reason', 'plan_ms', 'generate_ms', 'verify_ms', 'subgoals',
                                               'path_length', 'modes', 'final_pose', 'draws', 'error')}
-    return {**kept, 'kind': _kind(task)}
+    return {**kept, 'kind': _kind(task), 'run': _run(task)}
+
+
+def _run(task: dict) -> dict:
+    """What the page needs to show the first run; None when there was none, or a result of before this was kept."""
+    if not task.get('motion') or 'scenario' not in task:
+        return None
+    rows = np.array(task['motion']['rows'])
+    drawn = scene(parse_scenario(task['scenario'], task['name']), rows[:, :3], rows[:, 3:])
+    return {'scene': drawn, 'period': task['motion']['period'], 'modes': task['motion']['modes'],
+            'pose': numbers(rows[:, :3] * [1e3, 1e3, 180.0 / np.pi], 2), 'angles': numbers(np.degrees(rows[:, 3:]), 2)}
 
 
 def _level(document: dict) -> dict:

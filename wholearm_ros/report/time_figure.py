@@ -1,6 +1,7 @@
 """Figure 7: torque of the torque-controlled finger with its feasible range, and angle and error of the other finger."""
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from ..model.hand import SIDES
 from ..model.trajectory import ManipulationTrajectory
@@ -9,6 +10,7 @@ from .mode_spans import executed_spans, merged, planned_spans
 from .palette import EXECUTED, INK, MODE_COLOURS, MODE_NAMES, PLANNED
 from .run_view import Controlled, RunView, controlled
 
+MODES = ('quasi_static', 'dwell', 'dynamic', 'caging')  # named beside the title: the shortest stretches have no room for it
 NARROW = 0.035  # share of the width below which a mode's name is left out of its band
 
 
@@ -27,8 +29,9 @@ def draw_times(trajectory: ManipulationTrajectory, run: RunView, title: str = ''
     _angle(angle, error, run, both)
     bands.set_xlim(*span)
     error.set_xlabel('time along the trajectory [s]')
-    if title:
-        bands.set_title(title, fontsize='medium', loc='left')
+    bands.set_title(title, fontsize='medium', loc='left')
+    bands.legend(handles=[Patch(facecolor=MODE_COLOURS[mode], label=MODE_NAMES[mode]) for mode in MODES], fontsize=7,
+                 loc='lower right', bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0, frameon=False, ncols=len(MODES))
     return figure
 
 

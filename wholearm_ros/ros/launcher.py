@@ -79,14 +79,19 @@ def node_parameters(options: RunOptions) -> dict:
                                       'transition': options.transition}}
 
 
-def run_graph(scenario: Scenario, options: RunOptions, tell: Callable[..., None], log_directory: Path = None) -> RunReport:
-    """Raises NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1."""
+def run_graph(scenario: Scenario, options: RunOptions, tell: Callable[..., None], log_directory: Path = None,
+              attend: Callable[[Client], None] = lambda client: None) -> RunReport:
+    """Raises NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1.
+
+    attend: is given the client before anything happens, to listen to more of the run.
+    """
     with tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
         with Processes(Path(log_directory or scratch)) as processes:
             for node, parameters in node_parameters(options).items():
                 processes.start(node, parameters)
             client = Client(watch=processes.check)
             try:
+                attend(client)
                 return _plan_and_execute(client, scenario, options, tell)
             finally:
                 client.close()

@@ -8,13 +8,13 @@ from typing import Optional
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from ..choices import FAILED, INTERRUPTED, OK, Backend, Search, Transition
 from ..errors import WholeArmError
 from ..model.scenario_file import load_scenario
 from .figures import figures_of
 from .launcher import RunOptions, RunReport, run_graph
+from .live_view import view_on
 from .share import scenario_path
 
 out = Console(highlight=False)
@@ -61,8 +61,8 @@ def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario 
     task = load_scenario(path)
     _interrupt_on_sigterm()
     try:
-        with _Teller() as tell:
-            report = run_graph(task, options, tell)
+        with view_on(out) as view:
+            report = run_graph(task, options, view, attend=view.attend)
     except KeyboardInterrupt:
         out.print('interrupted: every node has been stopped')
         raise typer.Exit(INTERRUPTED) from None
@@ -72,7 +72,7 @@ def run(scenario: str = typer.Argument('', metavar='[SCENARIO]', help='Scenario 
     show(report, options)
     if figures is not None and report.judged is not None:
         for path in figures_of(options.record, figures):
-            out.print(f'figure      {path}', soft_wrap=True)
+            out.print(f'{"report" if path.suffix == ".html" else "figure":12}{path}', soft_wrap=True)
     raise typer.Exit(OK if report.success else FAILED)
 
 
@@ -81,7 +81,7 @@ def show(report: RunReport, options: RunOptions):
     def line(name, text):
         out.print(f'{name:12}{escape(text)}', soft_wrap=True)
     line('scenario', options.scenario)
-    line('plan', report.message)
+    line('plan', report.message.removeprefix('plan '))
     times = ', '.join(f'{name} {seconds:.2f} s' for name, seconds in report.timings.items())
     search = ', '.join(f'{key.removesuffix("_ms")} {float(report.planner[key]):.0f} ms'
                        for key in ('plan_ms', 'generate_ms', 'verify_ms') if key in report.planner)
@@ -93,7 +93,7 @@ def show(report: RunReport, options: RunOptions):
         x, y, turn = judged.pose
         line('goal', f'{report.result.get("outcome")}: {report.result.get("reason")}')
         line('final pose', f'x {x:.6f} m, y {y:.6f} m, rotation {turn:.6f} rad; {judged.angle_error:+.4f} rad from the '
-             f'goal, {1e3 * judged.gap:+.2f} mm from the palm')
+             f'goal, {1e3 * judged.gap:+.3f} mm from the palm')
     if options.record:
         line('bag', str(options.record))
     if report.success:
@@ -101,30 +101,6 @@ def show(report: RunReport, options: RunOptions):
     elif report.judged is not None:
         out.print(f'[bold red]not at the goal:[/] {escape(report.judged.reason or report.result.get("reason", ""))}',
                   soft_wrap=True)
-
-
-class _Teller:
-    """A progress bar in a terminal, plain lines elsewhere: each line once."""
-
-    def __enter__(self):
-        self._last, self._progress = None, None
-        if out.is_terminal:
-            self._progress = Progress(TextColumn('{task.description}'), BarColumn(), TimeElapsedColumn(), console=out,
-                                      transient=True)
-            self._progress.start()
-            self._bar = self._progress.add_task('')
-        return self
-
-    def __call__(self, text: str, share: float = 0.0):
-        if self._progress:
-            self._progress.update(self._bar, completed=100 * share, description=escape(text[:60]))
-        elif text != self._last:
-            out.print(escape(text), soft_wrap=True)
-        self._last = text
-
-    def __exit__(self, *_):
-        if self._progress:
-            self._progress.stop()
 
 
 def _check_screen(view: bool):

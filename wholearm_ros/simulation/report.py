@@ -50,12 +50,12 @@ def with_progress(console: Console, tasks, work: Callable) -> list:
         return work(heard)
 
 
-def suite_document(file: str, options: SuiteOptions, results: list, summary: dict) -> dict:
-    """`wholearm-suite-result/1`."""
+def suite_document(file: str, tasks, options: SuiteOptions, results: list, summary: dict) -> dict:
+    """`wholearm-suite-result/1`: the results, each with the scenario it is of."""
     return {'format': RESULT_FORMAT, 'suite': file, 'seed': options.seed, 'perturb': options.perturb,
             'draws': options.draws, 'search': options.search, 'transition': options.transition,
             'time_budget': options.time_budget, 'backend': options.backend, 'rate': options.rate,
-            'summary': summary, 'tasks': results}
+            'summary': summary, 'tasks': [{**r, 'scenario': task.scenario} for task, r in zip(tasks, results)]}
 
 
 def show_suite(console: Console, results: list, summary: dict) -> None:

@@ -1,11 +1,8 @@
 """The suite: many tasks planned and executed on a stand-in, without ROS, by the same code as the nodes."""
 import traceback
 import zlib
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
-from multiprocessing import get_context
 from typing import Callable, Iterable, Optional
 
 import numpy as np
@@ -17,16 +14,18 @@ from ..model.scenario import Scenario
 from ..model.scenario_file import parse_scenario
 from ..offer import Request, offer
 from .outcome import outcome
-from .run import run
+from .run import RunRecord, run
 from .suite_file import Task
+from .workers import work_on
 
+MOTION_PERIOD = 0.04  # [s] between two rows of a result's `motion`
 TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
 
 
 @dataclass(frozen=True)
 class SuiteOptions:
     """seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed runs a task;
-    search, transition, candidates, time_budget [s]: of the request to the planner; backend, rate [Hz]: of the stand-in."""
+    search, transition, candidates, moves, time_budget [s]: of the request to the planner; backend, rate [Hz]: of the stand-in."""
 
     seed: int = 0
     perturb: float = 0.0
@@ -34,6 +33,7 @@ class SuiteOptions:
     search: str = 'best'
     transition: str = 'auto'
     candidates: int = Request.candidates
+    moves: int = Request.moves
     time_budget: float = Request.time_budget
     backend: str = 'pybullet'
     rate: float = 1000.0
@@ -41,19 +41,19 @@ class SuiteOptions:
 
 
 def run_suite(tasks: Iterable[Task], options: SuiteOptions, jobs: int = 1,
-              on_result: Optional[Callable[[dict], None]] = None) -> list:
+              on_result: Optional[Callable[[dict], None]] = None, scheduler: Optional[str] = None) -> list:
     """One result (dict) a task, in the tasks' order; `on_result` hears of each as it is done.
 
+    jobs: processes of this machine; scheduler: address of a Dask scheduler whose workers are used instead.
     An error in a task is that task's result; it does not stop the others.
     """
-    tasks, work = list(tasks), partial(run_task, options=options)
-    results = [None] * len(tasks)
-    ready = partial(warm_up, tasks[0], options)
-    for k, result in (_one_by_one if jobs == 1 else partial(_in_processes, jobs=jobs))(work, tasks, ready):
+    tasks, results = list(tasks), {}
+    lost = lambda task, why: failed(task.name, why)
+    for k, result in work_on(tasks, partial(run_task, options=options), lost, jobs, scheduler):
         results[k] = result
         if on_result:
             on_result(result)
-    return results
+    return [results[k] for k in range(len(tasks))]
 
 
 def run_task(task: Task, options: SuiteOptions) -> dict:
@@ -66,15 +66,10 @@ def run_task(task: Task, options: SuiteOptions) -> dict:
         return failed(task.name, traceback.format_exc())
 
 
-def warm_up(task: Task, options: SuiteOptions) -> None:
-    """Loads the compiled kernels, so that the first task's times do not hold that; the result is dropped."""
-    run_task(task, replace(options, candidates=1, draws=1))
-
-
 def failed(name: str, error: str) -> dict:
     """The result of a task that could not be worked on."""
     return {'name': name, 'planned': False, 'reason': 'error', 'error': error, **dict.fromkeys(TIMES), 'subgoals': 0,
-            'path_length': 0, 'modes': {}, 'executed': False, 'final_pose': None, 'draws': []}
+            'path_length': 0, 'modes': {}, 'executed': False, 'final_pose': None, 'motion': None, 'draws': []}
 
 
 def perturbation_rng(options: SuiteOptions, name: str, draw: int) -> np.random.Generator:
@@ -99,50 +94,42 @@ def summarize(results: list) -> dict:
 def _planned_and_executed(task: Task, options: SuiteOptions) -> dict:
     scenario = parse_scenario(task.scenario, task.name)
     answer = offer(scenario, Request(search=options.search, seed=options.seed, transition=options.transition,
-                                     candidates=options.candidates, time_budget=options.time_budget))
+                                     candidates=options.candidates, moves=options.moves,
+                                     time_budget=options.time_budget))
     plan, trajectory = answer.plan, answer.trajectory
     result = {'name': task.name, 'planned': trajectory is not None,
               'reason': '' if trajectory is not None else f'{plan.outcome}: {plan.reason}',
               **{name: _number(answer.timings.get(name)) for name in TIMES},
               'subgoals': len(plan.subgoals), 'path_length': len(plan.path),
               'modes': trajectory.time_in_modes() if trajectory is not None else {},
-              'executed': False, 'final_pose': None, 'draws': []}
+              'executed': False, 'final_pose': None, 'motion': None, 'draws': []}
     if trajectory is None:
         return result
     count = options.draws if options.perturb else 1
-    result['draws'] = [_executed(scenario, trajectory, task.name, k, options) for k in range(count)]
+    runs = [_executed(scenario, trajectory, task.name, k, options) for k in range(count)]
+    result['draws'], result['motion'] = [told for told, _ in runs], _motion(runs[0][1])
     result['executed'] = all(d['executed'] for d in result['draws'])
     result['final_pose'] = result['draws'][0]['final_pose']
     return result
 
 
-def _executed(scenario: Scenario, trajectory, name: str, draw: int, options: SuiteOptions) -> dict:
+def _executed(scenario: Scenario, trajectory, name: str, draw: int, options: SuiteOptions) -> tuple:
+    """(what is told of it, its record)."""
     perturbation = draw_perturbation(perturbation_rng(options, name, draw), options.perturb, scenario)
     record = run(scenario, trajectory, backend=options.backend, rate=options.rate, perturbation=perturbation,
                  controls=options.controls)
     judged = outcome(scenario, record)
     told = {'executed': judged.executed, 'reason': judged.reason, 'final_pose': judged.pose.tolist(),
             'angle_error': judged.angle_error}
-    return {**told, 'perturbation': perturbation.to_dict()} if options.perturb else told
+    return ({**told, 'perturbation': perturbation.to_dict()} if options.perturb else told), record
+
+
+def _motion(record: RunRecord) -> dict:
+    """What is needed to see a run again: rows of x, y, φ, θ_L, θ_R [m, m, rad] and the name of the mode in each."""
+    rows = np.arange(0, len(record.times), max(1, round(MOTION_PERIOD / (record.times[1] - record.times[0]))))
+    return {'period': MOTION_PERIOD, 'rows': np.hstack([record.poses, record.angles])[rows].round(4).tolist(),
+            'modes': [record.modes[k] for k in rows]}
 
 
 def _number(value) -> Optional[float]:
     return None if value is None else float(value)
-
-
-def _one_by_one(work, tasks, ready):
-    ready()
-    for k, task in enumerate(tasks):
-        yield k, work(task)
-
-
-def _in_processes(work, tasks, ready, jobs: int):
-    """As they are done. A worker that dies takes the tasks in its pool with it; they are told as errors."""
-    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn'), initializer=ready) as pool:
-        futures = {pool.submit(work, task): k for k, task in enumerate(tasks)}
-        for future in as_completed(futures):
-            k = futures[future]
-            try:
-                yield k, future.result()
-            except BrokenProcessPool as error:
-                yield k, failed(tasks[k].name, f'a worker process died: {error}')

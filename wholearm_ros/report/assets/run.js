@@ -3,36 +3,17 @@ const R = REPORT, T = R.times, last = T.length - 1;
 const byId = id => document.getElementById(id);
 const shown = {k: -1, t: T[0]};
 
-// ---- the scene: SVG in millimetres, y up
-const SVG = 'http://www.w3.org/2000/svg';
-function make(parent, tag, attributes) {
-  const element = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-  return parent.appendChild(element);
-}
-const points = list => list.map(p => p.join(',')).join(' ');
-const scene = byId('scene');
-scene.setAttribute('viewBox', R.scene.box.join(' '));
-const world = make(scene, 'g', {transform: 'scale(1,-1)'});
-make(world, 'polyline', {class: 'palm', points: points(R.scene.palm)});
-const fingers = R.scene.fingers.map((f, k) => make(world, 'polygon', {class: 'finger f' + k, points: points(f.outline)}));
-const object = make(world, 'g', {id: 'object'});
-make(object, 'polygon', {class: 'object', points: points(R.scene.object)});
-make(object, 'path', {class: 'mark', d: `M-3,0H3M0,-3V3M0,0L${R.scene.object[0].join(',')}`});
+// ---- the scene, the plan's outlines over it, and the normals of what touches
+const {world, move} = makeScene(byId('scene'), R.scene);
 const ghosts = R.scene.fingers.map(f => make(world, 'polygon', {class: 'ghost', points: points(f.outline)}));
 const ghost = make(world, 'polygon', {class: 'ghost', points: points(R.scene.object)});
 const normals = make(world, 'g', {class: 'normals'});
-R.scene.fingers.forEach(f => make(world, 'circle', {class: 'axis', cx: f.axis[0], cy: f.axis[1], r: 2.4}));
-const place = (x, y, angle) => `translate(${x} ${y}) rotate(${angle})`;
 const lerp = (list, k, u) => list[k].map((v, i) => v + u * (list[Math.min(k + 1, last)][i] - v));
 
 function draw(k, u) {
-  lerp(R.angles, k, u).forEach((a, i) => fingers[i].setAttribute('transform', place(...R.scene.fingers[i].axis, a)));
+  move(R.pose[k][0] === null ? null : lerp(R.pose, k, u), lerp(R.angles, k, u));
   lerp(R.planned_angles, k, u).forEach((a, i) => ghosts[i].setAttribute('transform', place(...R.scene.fingers[i].axis, a)));
   ghost.setAttribute('transform', place(...lerp(R.planned_pose, k, u)));
-  const known = R.pose[k][0] !== null;
-  object.style.display = known ? '' : 'none';
-  if (known) object.setAttribute('transform', place(...lerp(R.pose, k, u)));
   normals.replaceChildren();
   for (let i = 0; i < R.touches[k].length; i += 4) {
     const [x, y, nx, ny] = R.touches[k].slice(i, i + 4);

@@ -40,21 +40,58 @@ function choose(k) {
   tell('reason', task.reason);
   tell('times', ['plan', 'generate', 'verify'].map(n => `${n} ${ms(task[n + '_ms'])}`).join(', '));
   tell('subgoals', `${task.subgoals}, ${task.path_length} of them on the route`);
-  tell('modes', Object.entries(task.modes || {}).filter(([, s]) => s).map(([m, s]) => `${m} ${s.toFixed(2)} s`).join(', '));
+  tell('modes', Object.entries(task.modes || {}).filter(([, s]) => s).map(([m, s]) => `${S.names[m] || m} ${s.toFixed(2)} s`).join(', '));
   tell('final pose', task.final_pose && `x ${task.final_pose[0].toFixed(4)} m, y ${task.final_pose[1].toFixed(4)} m, ${task.final_pose[2].toFixed(4)} rad`);
   if (task.error) element(box, 'pre', task.error);
+  if (task.run) showRun(box, task.run);
   if (task.draws.length) {
-    const table = element(element(box, 'div', null, {class: 'scroll'}), 'table'), head = element(element(table, 'thead'), 'tr');
+    const table = element(element(box, 'div', null, {class: 'scroll'}), 'table', null, {class: 'long'}), head = element(element(table, 'thead'), 'tr');
     ['draw', 'at the goal', 'angle error [rad]', 'what was different', 'reason'].forEach(name => element(head, 'th', name));
     const body = element(table, 'tbody');
     task.draws.forEach((draw, i) => {
       const row = element(body, 'tr');
-      const different = Object.entries(draw.perturbation || {}).filter(([, v]) => typeof v === 'number' && v !== 0)
+      const different = Object.entries(draw.perturbation || {}).filter(([name, v]) => typeof v === 'number' && v !== 0 && name !== 'noise_seed')
         .map(([name, v]) => `${name.replaceAll('_', ' ')} ${+v.toPrecision(3)}`).join(', ');
       [i, draw.executed ? 'yes' : 'no', draw.angle_error === undefined ? '' : draw.angle_error.toFixed(4), different, draw.reason]
         .forEach(text => element(row, 'td', text));
     });
   }
+}
+
+// ---- the run of the task that was pressed: it plays by itself, the slider stops it
+let playing = 0;
+function showRun(box, run) {
+  const mine = ++playing, last = run.pose.length - 1, end = last * run.period;
+  const stage = element(box, 'div', null, {class: 'stage'});
+  const {move} = makeScene(stage.appendChild(document.createElementNS(SVG, 'svg')), run.scene);
+  const slider = element(stage, 'input', null, {type: 'range', min: 0, max: end, step: 0.01, 'aria-label': 'Time [s]', class: 'slider'});
+  const line = element(stage, 'p', null, {class: 'key'}), play = element(line, 'button', 'Pause', {type: 'button'});
+  const chip = element(line, 'span', '', {class: 'chip'}), clock = element(line, 'output');
+  let began = performance.now();
+  function show(t) {
+    const k = Math.min(Math.floor(t / run.period), last), next = Math.min(k + 1, last), u = Math.min(t / run.period - k, 1);
+    const between = list => list[k].map((v, i) => v + u * (list[next][i] - v));
+    move(between(run.pose), between(run.angles));
+    slider.value = t;
+    chip.textContent = S.names[run.modes[k]] || run.modes[k];
+    chip.style.background = S.colours[run.modes[k]];
+    clock.textContent = ` ${t.toFixed(2)} of ${end.toFixed(2)} s`;
+  }
+  function step(stamp) {
+    if (began === null || mine !== playing) return;
+    show(Math.min(Math.max(stamp - began, 0) / 1000, end));
+    if ((stamp - began) / 1000 < end) requestAnimationFrame(step); else pause();
+  }
+  function pause() { began = null; play.textContent = 'Play'; }
+  play.addEventListener('click', () => {
+    if (began !== null) return pause();
+    began = performance.now() - 1000 * (slider.value >= end ? 0 : slider.value);
+    play.textContent = 'Pause';
+    requestAnimationFrame(step);
+  });
+  slider.addEventListener('input', () => { pause(); show(+slider.value); });
+  show(0);
+  requestAnimationFrame(step);
 }
 
 // ---- plots
@@ -63,14 +100,15 @@ const ink = {plan_ms: '#8cbfe6', generate_ms: '#f2a65a', verify_ms: '#7cc6a4'};
 const times = () => Object.keys(ink).map(name => ({type: 'bar', name: name.slice(0, -3), x: order.map(k => S.tasks[k].name),
   y: order.map(k => (S.tasks[k][name] || 0) / 1000), marker: {color: ink[name]}, hovertemplate: '%{x}: %{y:.2f} s'}));
 const success = () => [{x: S.levels.map(l => l.level), y: S.levels.map(l => l.share), mode: 'lines+markers+text',
-  text: S.levels.map(l => `${l.done}/${l.runs}`), textposition: 'top center', line: {color: colour('accent')},
+  text: S.levels.map(l => `${l.done}/${l.runs}`), textposition: 'middle right', line: {color: colour('accent')},
   error_y: {type: 'data', symmetric: false, array: S.levels.map(l => l.high - l.share), arrayminus: S.levels.map(l => l.share - l.low)},
   hovertemplate: 'level %{x}: %{y:.1%}'}];
-const layout = (x, y, more) => ({...plotTheme(), margin: {l: 52, r: 10, t: 24, b: 60}, legend: {orientation: 'h', y: 1, yanchor: 'bottom'},
-  xaxis: {...axisTheme(), title: {text: x}, fixedrange: true}, yaxis: {...axisTheme(), title: {text: y}, fixedrange: true, ...more}});
+const highest = Math.max(1, ...S.levels.map(l => l.level)), levelRange = {range: [-0.1 * highest, 1.25 * highest]};
+const layout = (x, y, more, moreX) => ({...plotTheme(), margin: {l: 52, r: 10, t: 24, b: 60}, legend: {orientation: 'h', y: 1, yanchor: 'bottom'},
+  xaxis: {...axisTheme(), title: {text: x}, fixedrange: true, automargin: true, ...moreX}, yaxis: {...axisTheme(), title: {text: y}, fixedrange: true, ...more}});
 function drawAll(how) {
   how(byId('times'), times(), {...layout('', 'seconds'), barmode: 'stack'}, plotOptions);
-  how(byId('success'), success(), layout('perturbation level', 'share at the goal', {range: [0, 1.12], tickformat: '.0%'}), plotOptions);
+  how(byId('success'), success(), layout('perturbation level', 'share at the goal', {range: [0, 1.12], tickformat: '.0%'}, levelRange), plotOptions);
 }
 drawAll(Plotly.newPlot);
 byId('times').on('plotly_click', event => choose(order[event.points[0].pointNumber]));
