@@ -46,7 +46,7 @@ class Request:
     good: float = 0.8
     accept: float = 0.6
     candidates: int = 100
-    moves: int = 6000
+    moves: int = 12000
     time_budget: float = 180.0
 
 
@@ -117,7 +117,7 @@ class _Trying:
 
     def _try(self, plan, variants):
         """All variants of a route, until one survives; returns the leg on which most of them failed."""
-        failures, hopeless, release = [], set(), _first_caging(plan)
+        failures, hopeless, release = [], set(), _first_caging(plan)  # hopeless: whatever comes of caging
         for options in variants:
             before_caging = replace(options, caging_finger=FRONT, caging_torque=0.0)
             if before_caging in hopeless:
@@ -131,7 +131,7 @@ class _Trying:
             failures.append(_failed_leg(plan, trajectory, verification))
             if verification.survived > self.best.share and verification.survived >= self.request.good:
                 self._enough = min(self._enough, self.tried + BETTERING)
-            if failures[-1] < release and not verification.nominal.success:
+            if release == len(plan.legs) or failures[-1] < release and not verification.nominal.success:
                 hopeless.add(before_caging)
             if verification.survived > self.best.share:
                 self.best = _Best(verification.survived, candidate, trajectory, verification)

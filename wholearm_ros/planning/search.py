@@ -24,7 +24,7 @@ class SearchOptions:
     search: str = BEST
     seed: int = 0
     limit: int = 5000
-    move_limit: int = 6000
+    move_limit: int = 12000
 
 
 def make_routes(scenario: Scenario, options: SearchOptions):
