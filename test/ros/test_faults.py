@@ -12,14 +12,13 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosbags.highlevel import AnyReader
 
+from ros_graph import ALL
 from wholearm_ros.ros import channels
 from wholearm_ros.ros.bag_reader import Bag
 from wholearm_ros.ros.messages import values_of
 from wholearm_ros.ros.processes import NodeDied
 
 pytestmark = [pytest.mark.faults, pytest.mark.timeout(200)]
-ALL = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator',
-       'contact_state_planner')
 
 
 def started_run(graph, pacing, **parameters):

@@ -4,14 +4,13 @@ import uuid
 import pytest
 from action_msgs.msg import GoalStatus
 
+from ros_graph import ALL
 from wholearm_ros.ros import channels
 from wholearm_ros.ros.client import Client
 from wholearm_ros.ros.joint_wire import reading_of
 from wholearm_ros.ros.messages import to_joints, values_of
 
 pytestmark = pytest.mark.timeout(280)
-ALL = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator',
-       'contact_state_planner')
 
 
 def test_goals_are_rejected_canceled_and_repeated(graph):

@@ -18,7 +18,7 @@ from ..errors import WholeArmError
 from . import channels
 from .joint_wire import read_joints
 from .messages import status_message
-from .parameters import Declared, Parameters
+from .parameters import Declared, Parameters, survives_unknown_types
 
 LEAVE_WITHIN = 0.8  # [s] after SIGINT or SIGTERM; then the process ends whatever a callback is doing
 SIGNAL_PERIOD = 0.05  # [s] between two looks at whether a signal came
@@ -59,6 +59,10 @@ class WholeArmNode(Node):
 
     def service(self, service: channels.Service, callback):
         return self.create_service(service.type, service.name, callback)
+
+    def create_service(self, srv_type, srv_name, callback, **more):
+        """Those for parameters too, which rclpy makes."""
+        return super().create_service(srv_type, srv_name, survives_unknown_types(srv_type, callback), **more)
 
     def every(self, seconds: float, callback):
         """A timer on the machine's own clock: simulated time may stand still."""
