@@ -14,7 +14,7 @@ from ..simulation.outcome import Outcome, outcome
 from ..simulation.run import RunRecord
 from . import channels
 from .client import Client
-from .processes import Processes
+from .processes import Processes, alone_in_domain
 
 START_WITHIN = 300.0  # [s] the first time, everything is compiled
 SLACK = 60.0          # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
@@ -80,8 +80,8 @@ def node_parameters(options: RunOptions) -> dict:
 
 
 def run_graph(scenario: Scenario, options: RunOptions, tell: Callable[..., None], log_directory: Path = None) -> RunReport:
-    """Raises NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1."""
-    with tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
+    """Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1."""
+    with alone_in_domain(), tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
         with Processes(Path(log_directory or scratch)) as processes:
             for node, parameters in node_parameters(options).items():
                 processes.start(node, parameters)

@@ -3,9 +3,11 @@ import ctypes
 import fcntl
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import WholeArmError
@@ -17,6 +19,26 @@ SHARED_MEMORY = Path('/dev/shm')
 
 class NodeDied(WholeArmError):
     """A node process ended by itself."""
+
+
+class DomainTaken(WholeArmError):
+    """Another launcher runs its graph in this ROS domain."""
+
+
+@contextmanager
+def alone_in_domain():
+    """No second launcher on this machine may start nodes of the same names: two hands would answer every setpoint.
+
+    The name of an abstract socket is taken: it goes with the process, however that ends. Raises DomainTaken.
+    """
+    domain = os.environ.get('ROS_DOMAIN_ID') or '0'
+    with socket.socket(socket.AF_UNIX) as name:
+        try:
+            name.bind(f'\0wholearm_ros/domain/{domain}')
+        except OSError as error:
+            raise DomainTaken(f'ROS_DOMAIN_ID: got {domain}, in which another `wholearm run` is under way; '
+                              'allowed: a domain of its own, 0 to 101') from error
+        yield
 
 
 class Processes:
