@@ -27,13 +27,13 @@ WAIT = 120.0   # [s]
 class Bench:
     """A graph in real time, held at the end of a run: the loop goes on for ever."""
 
-    def __init__(self, scratch: Path, rate: float, start=Processes.start):
-        self.processes, self.period = Processes(scratch), round(NANOSECONDS / rate)
+    def __init__(self, scratch: Path, rate: float, make_processes=Processes):
+        self.processes, self.period = make_processes(scratch), round(NANOSECONDS / rate)
         for node in NODES:
             own = {'priority': LOOP_PRIORITY} if node in LOOP else {}
             own.update({'motor_rate': rate} if node in ('hand_hardware', 'torque_controller') else {})
             own.update({'hold_time': 60.0} if node == 'hand_hardware' else {})  # stopped again and again, never limp
-            start(self.processes, node, own)
+            self.processes.start(node, own)
         self.client, self.said, self.modes = Client(watch=self.processes.check), {}, []
         node = self.client.node
         node.create_subscription(channels.DIAGNOSTICS.type, channels.DIAGNOSTICS.name, self._hear, channels.DIAGNOSTICS.qos)

@@ -55,8 +55,8 @@ class Processes:
         self.stop()
 
     def start(self, node: str, parameters: dict, namespace: str = ''):
-        """`python -m wholearm_ros.nodes.NODE` with `parameters`, its output in a file of its own."""
-        command = [sys.executable, '-m', f'wholearm_ros.nodes.{node}', '--ros-args']
+        """The program of `node` with `parameters`, its output in a file of its own."""
+        command = [*self.program(node), '--ros-args']
         if namespace:
             command += ['-r', f'__ns:={namespace}']
         for name, value in parameters.items():
@@ -65,6 +65,10 @@ class Processes:
             # A session of its own: Ctrl-C reaches the launcher only, which then stops the nodes in order.
             self._running[node] = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
                                                    start_new_session=True, preexec_fn=_die_with_parent)
+
+    def program(self, node: str) -> list:
+        """The command that runs `node`, without arguments."""
+        return [sys.executable, '-m', f'wholearm_ros.nodes.{node}']
 
     def log_of(self, node: str) -> Path:
         return self._logs / f'{node}.log'
