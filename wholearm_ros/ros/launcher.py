@@ -19,7 +19,7 @@ from .processes import Processes, alone_in_domain
 START_WITHIN = 300.0  # [s] the first time, everything is compiled
 SLACK = 60.0          # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 LOCKSTEP_SLOWNESS = 60.0
-LOOP_PRIORITY = 20    # of the nodes of the closed loop, in real time
+LOOP_PRIORITY = 20    # of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def node_parameters(options: RunOptions) -> dict:
     loop = {'priority': LOOP_PRIORITY} if options.pacing == 'realtime' else {}
     nodes = {}
     if options.record:
-        nodes['bag_recorder'] = {'path': str(options.record), 'storage': options.storage,
+        nodes['bag_recorder'] = {'path': str(options.record), 'storage': options.storage, 'priority': LOOP_PRIORITY,
                                  **({'topics': list(options.topics)} if options.topics else {})}
     return {**nodes,
             'hand_hardware': {**scenario, **pacing, **loop, 'backend': options.backend, 'view': options.view,
