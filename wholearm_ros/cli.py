@@ -190,11 +190,14 @@ def main():
 
 # ---------------------------------------------------------------------- what the commands share
 def _run_command() -> click.Command:
-    """`wholearm run`, or, where ROS 2 cannot be imported, a command that says so."""
+    """`wholearm run`, or, where ROS 2 cannot be imported, a command that says so, whatever its options are."""
+    settings = dict(HELP)
     try:
         from .ros.run_command import run
     except ImportError as error:
-        missing = str(error)
+        if (error.name or '').partition('.')[0] == __package__:
+            raise  # a mistake of ours, not a missing ROS
+        missing, settings = str(error), {**HELP, 'ignore_unknown_options': True, 'allow_extra_args': True}
 
         def run():
             """Plan and execute on the ROS 2 graph (needs ROS 2, which cannot be imported here)."""
@@ -202,7 +205,7 @@ def _run_command() -> click.Command:
                       'installed. `wholearm simulate` does without ROS.', soft_wrap=True)
             raise typer.Exit(BAD_INPUT)
     single = typer.Typer(add_completion=False, rich_markup_mode='rich', context_settings=HELP)
-    single.command('run', epilog=EXIT_CODES)(run)
+    single.command('run', epilog=EXIT_CODES, context_settings=settings)(run)
     return typer.main.get_command(single)
 
 

@@ -33,6 +33,17 @@ def test_run_is_listed_without_importing_ros_for_other_commands():
     assert subprocess.run([sys.executable, '-c', code], capture_output=True, text=True).stdout.strip() == '[]'
 
 
+@pytest.mark.parametrize('missing, words', [('rclpy', 'a sourced ROS 2 Jazzy'), ('wholearm_ros.ros.launcher', 'launcher')])
+def test_run_says_what_cannot_be_imported_whatever_its_options(missing, words):
+    code = ("import sys\nclass Block:\n    def find_spec(self, name, path=None, target=None):\n"
+            f"        if name == {missing!r}: raise ImportError(name + ' is blocked', name=name)\n"
+            "sys.meta_path.insert(0, Block())\nfrom wholearm_ros.cli import main\nmain()")
+    done = subprocess.run([sys.executable, '-c', code, 'run', 'regular_hexagon', '--pacing', 'lockstep'],
+                          capture_output=True, text=True, timeout=100)
+    told = done.stderr.replace('\n', ' ')
+    assert done.returncode != 0 and f'{missing} is blocked' in told and words in told and 'No such option' not in told
+
+
 @pytest.fixture
 def bad(tmp_path):
     path = tmp_path / 'bad.yaml'

@@ -1,47 +1,111 @@
-"""Arbitrary well-typed messages and damaged documents: every node stays alive and still does its job after."""
-import math
+"""Arbitrary well-typed messages, requests and damaged documents, at every subscriber and every service of every node:
+all of them stay alive and still do their job after."""
 import random
 
 import pytest
-from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
+from action_msgs.msg import GoalStatusArray
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from rcl_interfaces.srv import ListParameters
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from wholearm_ros.model.hand import JOINT_NAMES
+from arbitrary import messages
+from ros_graph import ALL, WAIT
+from wholearm_ros.nodes.bag_player import message_class
 from wholearm_ros.ros import channels
 
-pytestmark = [pytest.mark.faults, pytest.mark.timeout(280)]
-ALL = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator',
-       'contact_state_planner')
-
-numbers = st.one_of(st.floats(), st.sampled_from([0.0, 1e308, -1e308, math.inf, -math.inf, math.nan]))
-columns = st.lists(numbers, max_size=3)
-names = st.lists(st.one_of(st.sampled_from(JOINT_NAMES), st.text(max_size=8).filter(lambda t: '\0' not in t and
-                                                                                    t.isprintable())), max_size=3)
-texts = st.text(max_size=200).filter(lambda t: '\0' not in t and t.isprintable())
+pytestmark = [pytest.mark.faults, pytest.mark.timeout(900)]
+NODES = (*ALL, 'bag_recorder')
+PLANNING = 'contact_state_planner/plan'  # its answers take seconds
 
 
-@st.composite
-def joint_states(draw):
-    message = JointState(name=draw(names), position=draw(columns), velocity=draw(columns), effort=draw(columns))
-    message.header.stamp.sec = draw(st.integers(-2 ** 31, 2 ** 31 - 1))
-    message.header.stamp.nanosec = draw(st.integers(0, 2 ** 32 - 1))
-    return message
+@pytest.fixture
+def running(graph, tmp_path):
+    """The whole graph, a recorder too, with a plan; (graph, the plan's id)."""
+    graph.start(NODES, hand_hardware={'motor_rate': 200.0}, torque_controller={'motor_rate': 200.0},
+                bag_recorder={'path': str(tmp_path / 'bag')})
+    graph.client.wait_for_graph(WAIT)
+    return graph, graph.plan().id
 
 
-@st.composite
-def goals(draw):
-    message = GoalInfo()
-    message.goal_id.uuid = list(draw(st.binary(min_size=16, max_size=16)))
-    return message
+def every(examples: int):
+    """Hypothesis, bounded by the number of examples and by nothing that a loaded machine changes."""
+    return settings(max_examples=examples, deadline=None, database=None, suppress_health_check=list(HealthCheck))
 
 
-@st.composite
-def statuses(draw):
-    return GoalStatusArray(status_list=[GoalStatus(goal_info=draw(goals()), status=draw(st.integers(-128, 127)))
-                                        for _ in range(draw(st.integers(0, 3)))])
+def answers(graph, node: str):
+    """Every node serves its parameters from the same queue as its messages: an answer says that it is through them."""
+    graph.client.call(channels.Service(f'{node}/list_parameters', ListParameters), WAIT)
+
+
+def still_does_its_job(graph, plan_id: str):
+    for node in NODES:
+        answers(graph, node)
+    graph.client.heard.trajectory = None
+    assert graph.client.call(channels.RESET, WAIT).success
+    assert graph.plan().id == plan_id
+    result = graph.execute(plan_id)
+    assert result['outcome'] == 'succeeded', result
+
+
+def publishers(graph) -> dict:
+    """A publisher for every topic that a node of the graph listens to, by its name; one that is latched suits them all."""
+    found = {}
+    for node in NODES:
+        for topic, (kind, *_) in graph.node.get_subscriber_names_and_types_by_node(node, '/wholearm'):
+            if topic not in found and topic != '/clock':
+                found[topic] = graph.node.create_publisher(message_class(kind), topic, channels.LATCHED)
+                graph.wait(found[topic].get_subscription_count, f'subscribers of {topic}')
+    return found
+
+
+def test_every_subscriber_survives_everything_well_typed(running):
+    graph, plan_id = running
+    outlets = publishers(graph)
+    assert len(outlets) >= 18, sorted(outlets)
+
+    @every(100)
+    @given(st.data())
+    def throw(data):
+        for topic, outlet in outlets.items():
+            outlet.publish(data.draw(messages(outlet.msg_type), topic))
+        graph.client.executor.spin_once(timeout_sec=0.0)
+        graph.processes.check()
+    throw()
+
+    @every(100)
+    @given(st.binary(max_size=80))
+    def throw_bytes(noise):
+        for outlet in outlets.values():
+            if outlet.msg_type is JointState:
+                outlet.publish(b'\0\1\0\0' + noise)
+    throw_bytes()
+    assert GoalStatusArray in {outlet.msg_type for outlet in outlets.values()}
+    for outlet in outlets.values():
+        graph.node.destroy_publisher(outlet)
+    still_does_its_job(graph, plan_id)
+
+
+def test_every_service_survives_every_request(running):
+    graph, plan_id = running
+    services = {}
+    for node in NODES:
+        for name, (kind, *_) in graph.node.get_service_names_and_types_by_node(node, '/wholearm'):
+            services[name] = message_class(kind)
+    assert len(services) >= 6 * len(NODES), sorted(services)
+    for name, kind in services.items():
+        client = graph.node.create_client(kind, name)
+        graph.wait(client.service_is_ready, f'service {name}')
+
+        @every(2 if PLANNING in name else 15)
+        @given(messages(kind.Request))
+        def call(request):
+            future = client.call_async(request)
+            graph.wait(future.done, f'answer of {name} to {request}')
+        call()
+        graph.node.destroy_client(client)
+    still_does_its_job(graph, plan_id)
 
 
 def damaged(text: str, rng: random.Random) -> str:
@@ -50,44 +114,16 @@ def damaged(text: str, rng: random.Random) -> str:
     return rng.choice([text[:at], text[:at] + rng.choice('{}[]",:0-e') + text[at + 1:], text[:at] + text[at // 2:]])
 
 
-def test_nodes_survive_everything_well_typed(graph):
-    graph.start(ALL, hand_hardware={'motor_rate': 200.0}, torque_controller={'motor_rate': 200.0})
-    graph.client.wait_for_graph(120.0)
-    plan = graph.plan()
+def test_damaged_documents_are_refused(running):
+    graph, plan_id = running
     documents = {channels.CONTACT_PLAN: graph.client.heard.plan.to_json(),
                  channels.MANIPULATION_TRAJECTORY: graph.client.heard.trajectory.to_json()}
-    jointed = [graph.talk(t) for t in (channels.JOINT_STATES, channels.JOINT_COMMANDS, channels.VELOCITY_SETPOINT,
-                                       channels.TORQUE_SETPOINT)]
-    goal_topics = [graph.talk(channels.GOAL), graph.talk(channels.CANCEL)]
-    texted = {t: graph.talk(t) for t in (*documents, channels.MODE)}
-    status = graph.talk(channels.GOAL_STATUS)
-
-    @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
-    @given(joint_states(), goals(), statuses(), texts)
-    def throw(joint_state, goal, state, text):
-        for publisher in jointed:
-            publisher.publish(joint_state)
-        for publisher in goal_topics:
-            publisher.publish(goal)
-        for publisher in texted.values():
-            publisher.publish(String(data=text))
-        status.publish(state)
-        graph.client.executor.spin_once(timeout_sec=0.0)
-        graph.processes.check()
-    throw()
-
     rng = random.Random(1)
-    for _ in range(60):
-        for topic, document in documents.items():
-            texted[topic].publish(String(data=damaged(document, rng)))
-        graph.client.executor.spin_once(timeout_sec=0.02)
-        graph.processes.check()
-
-    # A lie about joint_states with a stamp far ahead may have stopped the switcher's clock; the reset starts over.
-    for publisher in (*jointed, *goal_topics, *texted.values(), status):
-        graph.node.destroy_publisher(publisher)
-    graph.client.heard.trajectory = None
-    assert graph.client.call(channels.RESET, 60.0).success
-    assert graph.plan().id == plan.id
-    result = graph.execute(plan.id)
-    assert result['outcome'] == 'succeeded', result
+    for topic, document in documents.items():
+        outlet = graph.talk(topic)
+        for _ in range(20):
+            outlet.publish(String(data=damaged(document, rng)))
+            for node in ('trajectory_generator', 'mode_switcher'):
+                answers(graph, node)
+        graph.node.destroy_publisher(outlet)
+    still_does_its_job(graph, plan_id)

@@ -4,13 +4,13 @@ import uuid
 import pytest
 from action_msgs.msg import GoalStatus
 
+from ros_graph import ALL
 from wholearm_ros.ros import channels
 from wholearm_ros.ros.client import Client
+from wholearm_ros.ros.joint_wire import reading_of
 from wholearm_ros.ros.messages import to_joints, values_of
 
 pytestmark = pytest.mark.timeout(280)
-ALL = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator',
-       'contact_state_planner')
 
 
 def test_goals_are_rejected_canceled_and_repeated(graph):
@@ -41,7 +41,7 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
     assert heard.result['outcome'] == 'canceled' and heard.result['reason'] == 'canceled'
     assert [s.status for s in status[-1].status_list][-1] == GoalStatus.STATUS_CANCELED
     assert modes[-1].data == 'stopped'
-    graph.wait(lambda: abs(to_joints(states[-1])[1].velocities).max() < 0.2, 'the fingers to come to rest and hold')
+    graph.wait(lambda: abs(to_joints(reading_of(states[-1]))[1].velocities).max() < 0.2, 'the fingers to come to rest and hold')
 
     heard.result = {}
     graph.client.send_goal(plan.id)  # from where it was stopped: not the start of the trajectory

@@ -60,6 +60,7 @@ def test_the_recorded_plan_and_goal_give_the_recorded_run(graph, name):
     with Bag(BAGS / name) as bag:
         _, poses = bag.pose_table()
         stamps, joints = bag.joint_table('joint_states')
+        planned = next(at for connection, at, _ in bag.raw() if connection.topic.endswith('/contact_plan')) - bag.start
     graph.start(('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator'),
                 hand_hardware={'scenario': name, 'motor_rate': RATE}, velocity_controller={'scenario': name},
                 torque_controller={'scenario': name, 'motor_rate': RATE})
@@ -67,6 +68,7 @@ def test_the_recorded_plan_and_goal_give_the_recorded_run(graph, name):
     for topic, least in ((channels.JOINT_STATES, 4), (channels.GOAL, 1), (channels.CONTACT_PLAN, 2)):
         graph.wait(lambda: graph.node.count_subscribers(topic.name) >= least, topic.name)
     graph.processes.start('bag_player', {'path': str(BAGS / name), 'topics': list(ROUTE), 'stay': True,
+                                         'start': planned * 1e-9 - 0.1,  # without the wait for the planner
                                          'wait_for_subscribers': 30.0})
     graph.wait(lambda: graph.client.heard.result, 'result', 120.0)
     assert graph.client.heard.result['outcome'] == 'succeeded', graph.client.heard.result

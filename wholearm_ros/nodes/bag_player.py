@@ -65,8 +65,8 @@ class BagPlayer(WholeArmNode):
                 return
             self.outlets[connection.id].publish(bytes(data))
             self.played += 1
-        self.done = True
         self.get_logger().info(f'played {self.played} messages')
+        self.done = True
 
     def sleep_until(self, begin: int, at: int, origin: int) -> bool:
         """Until the time of the bag is `at` [ns]; False when the node leaves meanwhile."""

@@ -2,21 +2,22 @@
 import sys
 import threading
 import time
-from collections import deque
 
 import numpy as np
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from ..mechanics.contacts import start_configuration
-from ..model.hand import JOINT_NAMES
+from ..model.hand import SIDES
 from ..ros import channels
 from ..ros.declared import PACING, SCENARIO, scenario_of
-from ..ros.drive_guard import BRAKE, LIMP, DriveGuard
+from ..ros.drive_guard import BRAKE, LIMP, STOPPED, DriveGuard
 from ..ros.frames import Frames
+from ..ros.loop_meter import LoopMeter
 from ..ros.markers import state_markers
-from ..ros.messages import NANOSECONDS, fill_joints, fill_pose, joint_message, pose_message, set_stamp, to_command
+from ..ros.messages import NANOSECONDS, fill_pose, joint_states_bytes, pose_message, set_stamp, to_command
 from ..ros.node import ERROR, OK, WARN, WholeArmNode, run_node
+from ..ros.pace import WallClock
 from ..ros.parameters import Declared
 from ..ros.robot_description import urdf
 from ..simulation.backend import BACKENDS, make_hand
@@ -27,12 +28,12 @@ DECLARED = (
     Declared('view', False, "PyBullet's window, where there is a screen"),
     Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
     Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),
-    Declared('command_timeout', 0.02, 'age of a command beyond which the drives hold the fingers; realtime [s]', 0.002, 1.0),
+    Declared('command_timeout', 0.015, 'age of a command beyond which the drives hold the fingers; realtime [s]', 0.002, 1.0),
     Declared('hold_time', 0.5, 'how long they hold before they let go; realtime [s]', 0.0, 60.0),
     Declared('lockstep_timeout', 10.0, 'wait for the commands of a step after which the wait is reported [s]', 0.1, 600.0),
 )
 FIRST_STAMP = NANOSECONDS  # of simulated time: zero means "no time yet" in ROS
-MOST_BEHIND = 3            # periods
+SWITCH_INTERVAL = 0.0002   # [s] for which another thread of this process may keep the motors' thread waiting
 REPEAT_PERIOD = 0.05       # [s] between two sendings of one state while lockstep waits
 SHOW_PERIOD = 0.1          # [s] between two sendings of markers and transforms
 
@@ -53,8 +54,7 @@ class HandHardware(WholeArmNode):
         hand = self.scenario.hand
         self.guard = DriveGuard([hand.left.torque_limit, hand.right.torque_limit],
                                 round(p.command_timeout * NANOSECONDS), round(p.hold_time * NANOSECONDS))
-        self.steps = self.overruns = self.worst_late = self.slipped = 0
-        self.latencies, self.sent, self.told_state = deque(maxlen=1000), 0, BRAKE  # [ns] state sent → command taken
+        self.steps, self.told_state, self.meter = 0, BRAKE, LoopMeter()
         self.pose_every = max(1, round(p.motor_rate / p.object_pose_rate))
         self.now = FIRST_STAMP if self.lockstep else self.get_clock().now().nanoseconds
         self.guard.reset(self.now)
@@ -69,28 +69,32 @@ class HandHardware(WholeArmNode):
         self.clock = self.publisher(channels.CLOCK) if self.lockstep else None
         self.subscription(channels.JOINT_COMMANDS, self.on_command)
         self.service(channels.RESET, self.on_reset)
-        self.states_message, self.clock_message = joint_message(JOINT_NAMES), Clock()
+        self.service(channels.HARDWARE_STOP, self.on_stop)
+        self.clock_message = Clock()
         self.pose_message = pose_message(self.clock_message.clock, self.hand.object_pose())
 
         self.every(SHOW_PERIOD, self.show)
         if self.lockstep:
             self.every(REPEAT_PERIOD, self.repeat)
         else:
-            self.loop = threading.Thread(target=self.run_on_the_wall_clock, daemon=True)
-            self.loop.start()
+            sys.setswitchinterval(SWITCH_INTERVAL)
+            self.pace = WallClock(self.period)
+            threading.Thread(target=self.run_on_the_wall_clock, daemon=True).start()
 
     def on_command(self, message):
         stamp, joint, effort = to_command(message)
         with self.lock:
             taken = self.guard.command(joint, stamp, effort, self.now)
-            if taken and stamp == self.now:  # answered within its own period
-                self.latencies.append(time.monotonic_ns() - self.sent)
+            if taken:
+                self.meter.answered(stamp)
             if taken and self.lockstep and self.guard.both_at(self.now):
                 self.answered = time.monotonic()
                 self.advance(self.now + self.period, self.guard.decide(self.now))
 
     def advance(self, now: int, efforts):
         """One period of physics, which ends at `now` [ns]."""
+        if efforts is not None:
+            self.meter.acts(min(self.guard.newest))
         self.hand.step(efforts)
         self.steps += 1
         self.now = now
@@ -103,10 +107,8 @@ class HandHardware(WholeArmNode):
         if self.lockstep:
             set_stamp(self.clock_message.clock, self.now)
             self.clock.publish(self.clock_message)
-        angles, velocities = self.hand.joints()
-        fill_joints(self.states_message, self.now, angles, velocities, self.hand.efforts())
-        self.joint_states.publish(self.states_message)
-        self.sent = time.monotonic_ns()
+        self.meter.sent(self.now)
+        self.joint_states.publish(joint_states_bytes(self.now, *self.hand.joints(), self.hand.efforts()))
         if with_pose:
             set_stamp(self.pose_message.header.stamp, self.now)
             fill_pose(self.pose_message.pose, self.hand.object_pose())
@@ -127,19 +129,9 @@ class HandHardware(WholeArmNode):
         self.markers.publish(state_markers(self.scenario, pose, contacts))
 
     def run_on_the_wall_clock(self):
-        """Stamps advance by one period a step. When the thread comes late by more than a few periods, time slips:
-        making up for them in a burst would be physics without control."""
-        due = time.monotonic_ns()
+        """Stamps advance by one period a step."""
         while not self.leaving:
-            due += self.period
-            late = time.monotonic_ns() - due
-            if late < 0:
-                time.sleep(-late / NANOSECONDS)
-            else:
-                self.overruns += 1
-                self.worst_late = max(self.worst_late, late)
-                if late > MOST_BEHIND * self.period:
-                    due, self.slipped = due + late, self.slipped + late
+            self.pace.wait()
             with self.lock:
                 self.advance(self.now + self.period, self.guard.decide(self.now))
 
@@ -153,17 +145,27 @@ class HandHardware(WholeArmNode):
         response.success, response.message = True, 'object and fingers are back at the start, the drives hold'
         return response
 
+    def on_stop(self, _, response):
+        """Past every other node: from the motors' next period on."""
+        with self.lock:
+            self.guard.stop()
+        response.success, response.message = True, 'the drives hold both fingers and take no command until hand_hardware/reset'
+        return response
+
     def health(self):
         guard, waiting = self.guard, time.monotonic() - self.answered
-        values = {'state': guard.state, 'pacing': self.parameters.pacing, 'steps': self.steps, 'overruns': self.overruns,
-                  'worst lateness ms': self.worst_late / 1e6,
-                  'behind the wall clock ms': self.slipped / 1e6, 'late commands': guard.late,
-                  'commands at the limit': guard.saturated, 'watchdog trips': guard.trips}
-        if self.latencies:
-            p50, p99 = np.percentile(list(self.latencies), (50, 99)) / 1e6
-            values.update({'command latency p50 ms': p50, 'command latency p99 ms': p99})
+        values = {'state': guard.state, 'pacing': self.parameters.pacing, 'stamp': self.now, 'steps': self.steps,
+                  'late commands': guard.late, 'commands at the limit': guard.saturated, 'watchdog trips': guard.trips}
+        for side, taken, newest in zip(SIDES, guard.taken, guard.newest):
+            values.update({f'{side} commands': taken, f'{side} newest': newest})
+        values.update(self.meter.figures())
+        if not self.lockstep:
+            values.update({'overruns': self.pace.overruns, 'worst lateness ms': self.pace.worst_late / 1e6,
+                           'behind the wall clock ms': self.pace.slipped / 1e6})
         if guard.state == LIMP:
             return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
+        if guard.state == STOPPED:
+            return ERROR, 'stopped on request: the drives hold until hand_hardware/reset', values
         if self.lockstep and guard.state != BRAKE and waiting > self.parameters.lockstep_timeout:
             return WARN, f'waiting {waiting:.0f} s for the commands of one step', values
         return OK, guard.state, values

@@ -11,8 +11,7 @@ from ..model.trajectory import ManipulationTrajectory
 from ..ros import channels
 from ..ros.declared import HANDOVER, MAX_TRACKING_ERROR, PACING, RAMP, switch_options_of
 from ..ros.execution import Execution, jumped
-from ..ros.messages import (fill_effort, fill_velocity_setpoint, goal_id_of, goal_name, joint_message, to_joints,
-                            to_nanoseconds)
+from ..ros.messages import effort_bytes, goal_id_of, goal_name, to_joints, to_nanoseconds, velocity_setpoint_bytes
 from ..ros.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode, run_node
 from ..ros.parameters import Declared
 
@@ -25,7 +24,6 @@ DECLARED = (
 )
 WATCH_PERIOD = 0.01        # [s]
 CONTROLLERS_WITHIN = 5.0   # [s] after a goal, both must listen to their setpoints
-NO_NAMES = ('',)
 
 
 class ModeSwitcher(WholeArmNode):
@@ -40,13 +38,13 @@ class ModeSwitcher(WholeArmNode):
 
         self.execution = self.wanted = self.last_goal = None
         self.text = self.trajectory = self.joints = None
-        self.stamp, self.answered, self.heard = -1, False, time.monotonic()
+        self.stamp, self.states, self.answered, self.heard = -1, 0, False, time.monotonic()
         self.mode, self.reason = '', ''
 
         self.mode_topic = self.publisher(channels.MODE)
         self.velocity_setpoint = self.publisher(channels.VELOCITY_SETPOINT)
         self.torque_setpoint = self.publisher(channels.TORQUE_SETPOINT)
-        self.velocity_message, self.torque_message = joint_message(NO_NAMES), joint_message(NO_NAMES)
+        self.setpoints = b'', b''  # the last ones, as published
         self.subscription(channels.MANIPULATION_TRAJECTORY, self.on_trajectory)
         self.subscription(channels.GOAL_STATUS, self.on_status)
         self.subscription(channels.JOINT_STATES, self.on_joints)
@@ -96,7 +94,7 @@ class ModeSwitcher(WholeArmNode):
             self.repeat()
             return
         before, backwards = self.joints, stamp < self.stamp
-        self.joints, self.stamp, self.answered = joints, stamp, False
+        self.joints, self.stamp, self.states, self.answered = joints, stamp, self.states + 1, False
         if self.execution and (backwards or jumped(before, joints)):
             self.give_up('time went backwards' if backwards else 'the hand was reset', after=IDLE)
         self.act()
@@ -107,15 +105,15 @@ class ModeSwitcher(WholeArmNode):
         if not self.execution or (self.lockstep and self.execution.over):
             return  # in lockstep time stands still while nothing runs
         motion, torque = self.execution.step(self.stamp, self.joints)
-        fill_velocity_setpoint(self.velocity_message, self.stamp, motion)
-        fill_effort(self.torque_message, self.stamp, torque.joint, torque.effort)
+        self.setpoints = (velocity_setpoint_bytes(self.stamp, motion),
+                          effort_bytes(self.stamp, torque.joint, torque.effort))
         self.publish_setpoints()
         if self.execution.mode != self.mode:
             self.tell(self.execution.mode, self.execution.reason)
 
     def publish_setpoints(self):
-        self.velocity_setpoint.publish(self.velocity_message)
-        self.torque_setpoint.publish(self.torque_message)
+        for topic, setpoint in zip((self.velocity_setpoint, self.torque_setpoint), self.setpoints):
+            topic.publish(setpoint)
         self.answered = True
 
     def repeat(self):
@@ -164,7 +162,8 @@ class ModeSwitcher(WholeArmNode):
         run = self.execution
         values = {'mode': self.mode, 'reason': self.reason, 'goal': self.last_goal[0] if self.last_goal else '',
                   'goal stamp': self.last_goal[1] if self.last_goal else 0, 'stamp': self.stamp,
-                  'progress': run.progress if run else 0.0, 'time left s': run.time_left if run else 0.0,
+                  'states': self.states, 'progress': run.progress if run else 0.0,
+                  'time left s': run.time_left if run else 0.0,
                   'silence ms': 1e3 * (time.monotonic() - self.heard)}
         return ERROR if self.mode == STOPPED else OK, self.reason or self.mode, values
 

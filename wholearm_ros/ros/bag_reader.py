@@ -18,7 +18,10 @@ class Bag:
         self.path, self.store = Path(path), jazzy_typestore()
         if not self.path.exists():
             raise BagError(f'{path}: no such bag; allowed: the directory of a rosbag2 bag')
-        self._reader = AnyReader([self.path], default_typestore=self.store)
+        try:
+            self._reader = AnyReader([self.path], default_typestore=self.store)
+        except (AnyReaderError, OSError) as error:
+            raise BagError(f'{path}: cannot be read as a bag: {error}') from error
 
     def __enter__(self):
         try:

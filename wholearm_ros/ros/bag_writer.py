@@ -32,6 +32,7 @@ class _McapStorage(McapWriter):
         super().__init__(path, compression)
         self.bio.flush()
         self._file, self.bio = self.bio, _Pending(self.bio.tell())
+        self._index = b''  # behind the data on disk
 
     def close(self, version: int, metadata: str):
         """Of the copy that Writer.close closes: the tail goes behind the data and the file stays open."""
@@ -41,10 +42,18 @@ class _McapStorage(McapWriter):
         tail = copy.copy(self)
         tail.bio = _Kept(start + len(data))
         McapWriter.close(tail, version, metadata)
+        try:
+            self._put(data + tail.bio.kept, start)
+        except OSError:  # the disk is full: the old index back to where it was, over what was begun
+            self._put(self._index, start)
+            raise
+        self.bio, self._index = _Pending(start + len(data)), tail.bio.kept
+
+    def _put(self, data: bytes, start: int):
+        """The file ends with `data` after this."""
         descriptor = self._file.fileno()
-        _write_at(descriptor, data + tail.bio.kept, start)
-        os.ftruncate(descriptor, start + len(data) + len(tail.bio.kept))
-        self.bio = _Pending(start + len(data))
+        _write_at(descriptor, data, start)
+        os.ftruncate(descriptor, start + len(data))
 
     def end(self):
         self._file.close()

@@ -27,6 +27,7 @@ def _qos(depth: int, reliable: bool = True, latched: bool = False) -> QoSProfile
 
 RELIABLE, LATCHED, BEST_EFFORT = _qos(10), _qos(1, latched=True), _qos(5, reliable=False)
 NEWEST = _qos(1)  # setpoints and commands: only the newest counts
+NO_RESENDING = _qos(10, reliable=False)  # how the nodes of the loop listen to joint states, setpoints and commands
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +72,7 @@ ROBOT_DESCRIPTION = Topic('robot_description', String, LATCHED)
 MARKERS = Topic('markers', MarkerArray, LATCHED)
 TRANSFORMS = Topic('transforms', TransformStamped, BEST_EFFORT)  # /tf itself where tf2_msgs can be imported
 RESET = Service('hand_hardware/reset', Trigger)
+HARDWARE_STOP = Service('hand_hardware/stop', Trigger)
 
 CLOCK = Topic('/clock', Clock, BEST_EFFORT)
 DIAGNOSTICS = Topic('/diagnostics', DiagnosticArray, RELIABLE)

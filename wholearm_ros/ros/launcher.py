@@ -14,12 +14,12 @@ from ..simulation.outcome import Outcome, outcome
 from ..simulation.run import RunRecord
 from . import channels
 from .client import Client
-from .processes import Processes
+from .processes import Processes, alone_in_domain
 
 START_WITHIN = 300.0  # [s] the first time, everything is compiled
 SLACK = 60.0          # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 LOCKSTEP_SLOWNESS = 60.0
-LOOP_PRIORITY = 20    # of the nodes of the closed loop, in real time
+LOOP_PRIORITY = 20    # of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def node_parameters(options: RunOptions) -> dict:
     loop = {'priority': LOOP_PRIORITY} if options.pacing == 'realtime' else {}
     nodes = {}
     if options.record:
-        nodes['bag_recorder'] = {'path': str(options.record), 'storage': options.storage,
+        nodes['bag_recorder'] = {'path': str(options.record), 'storage': options.storage, 'priority': LOOP_PRIORITY,
                                  **({'topics': list(options.topics)} if options.topics else {})}
     return {**nodes,
             'hand_hardware': {**scenario, **pacing, **loop, 'backend': options.backend, 'view': options.view,
@@ -81,11 +81,11 @@ def node_parameters(options: RunOptions) -> dict:
 
 def run_graph(scenario: Scenario, options: RunOptions, tell: Callable[..., None], log_directory: Path = None,
               attend: Callable[[Client], None] = lambda client: None) -> RunReport:
-    """Raises NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1.
+    """Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1.
 
     attend: is given the client before anything happens, to listen to more of the run.
     """
-    with tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
+    with alone_in_domain(), tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
         with Processes(Path(log_directory or scratch)) as processes:
             for node, parameters in node_parameters(options).items():
                 processes.start(node, parameters)

@@ -8,30 +8,23 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Pose, PoseStamped
-from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from ..control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
-from ..errors import WholeArmError
 from ..model.hand import JOINT_NAMES
 from ..model.trajectory import ManipulationTrajectory
 from .channels import PALM_FRAME
+from .joint_wire import NANOSECONDS, JointReading, MessageError, nanoseconds, write_joints
 
-NANOSECONDS = 1_000_000_000
 NO_GOAL = bytes(16)  # a cancel with it means: whatever is running
+_NAME_OF = [(name,) for name in JOINT_NAMES]
 PLANAR_TILT = 1e-3   # [rad] how far a pose's rotation may be from one about z
-
-
-class MessageError(WholeArmError):
-    """A message that cannot be used: says the field, what was got and what is allowed."""
 
 
 # -- time
 
 def to_nanoseconds(stamp: Time) -> int:
-    if not 0 <= stamp.nanosec < NANOSECONDS:
-        raise MessageError(f'stamp.nanosec: got {stamp.nanosec}; allowed: 0 to {NANOSECONDS - 1}')
-    return stamp.sec * NANOSECONDS + stamp.nanosec
+    return nanoseconds(stamp.sec, stamp.nanosec)
 
 
 def set_stamp(stamp: Time, nanoseconds: int):
@@ -40,22 +33,12 @@ def set_stamp(stamp: Time, nanoseconds: int):
 
 # -- joints
 
-def joint_message(names) -> JointState:
-    """A JointState to be filled again and again."""
-    message = JointState(name=list(names))
-    message.header.frame_id = PALM_FRAME
-    return message
-
-
-def fill_joints(message: JointState, stamp: int, angles, velocities, efforts):
+def joint_states_bytes(stamp: int, angles, velocities, efforts) -> bytes:
     """joint_states at `stamp` [ns]; the three are (2,) [rad, rad/s, N m], left then right."""
-    set_stamp(message.header.stamp, stamp)
-    message.position = [float(angles[0]), float(angles[1])]
-    message.velocity = [float(velocities[0]), float(velocities[1])]
-    message.effort = [float(efforts[0]), float(efforts[1])]
+    return write_joints(stamp, PALM_FRAME, JOINT_NAMES, angles.tolist(), velocities.tolist(), efforts.tolist())
 
 
-def to_joints(message: JointState) -> Tuple[int, Joints]:
+def to_joints(message: JointReading) -> Tuple[int, Joints]:
     """Stamp [ns] and both joints, left then right, whatever their order in the message.
 
     Numbers that are not finite come through: it is for the mode switch to stop on them.
@@ -68,41 +51,36 @@ def to_joints(message: JointState) -> Tuple[int, Joints]:
         if len(values) != 2:
             raise MessageError(f'joint_states.{field}: got {len(values)} numbers; allowed: 2')
         columns.append(np.array(values) if message.name[0] == JOINT_NAMES[0] else np.array(values)[::-1])
-    stamp = to_nanoseconds(message.header.stamp)
-    return stamp, Joints(stamp / NANOSECONDS, *columns)
+    return message.stamp, Joints(message.stamp / NANOSECONDS, *columns)
 
 
-def fill_velocity_setpoint(message: JointState, stamp: int, setpoint: VelocitySetpoint):
-    set_stamp(message.header.stamp, stamp)
-    message.name = [JOINT_NAMES[setpoint.joint]]
-    message.position, message.velocity = [setpoint.angle], [setpoint.velocity]
-    message.effort = [setpoint.feedforward]
+def velocity_setpoint_bytes(stamp: int, setpoint: VelocitySetpoint) -> bytes:
+    return write_joints(stamp, PALM_FRAME, _NAME_OF[setpoint.joint], [setpoint.angle], [setpoint.velocity],
+                        [setpoint.feedforward])
 
 
-def fill_effort(message: JointState, stamp: int, joint: int, effort: float):
+def effort_bytes(stamp: int, joint: int, effort: float) -> bytes:
     """A torque setpoint or a joint command."""
-    set_stamp(message.header.stamp, stamp)
-    message.name = [JOINT_NAMES[joint]]
-    message.effort = [effort]
+    return write_joints(stamp, PALM_FRAME, _NAME_OF[joint], effort=[effort])
 
 
-def to_velocity_setpoint(message: JointState) -> VelocitySetpoint:
+def to_velocity_setpoint(message: JointReading) -> VelocitySetpoint:
     joint = _one_joint('velocity_setpoint', message, ('position', 'velocity', 'effort'))
     return VelocitySetpoint(joint, message.position[0], message.velocity[0], message.effort[0])
 
 
-def to_torque_setpoint(message: JointState) -> TorqueSetpoint:
+def to_torque_setpoint(message: JointReading) -> TorqueSetpoint:
     joint = _one_joint('torque_setpoint', message, ('effort',))
     return TorqueSetpoint(joint, message.effort[0])
 
 
-def to_command(message: JointState) -> Tuple[int, int, float]:
+def to_command(message: JointReading) -> Tuple[int, int, float]:
     """Stamp [ns], joint, effort [N m]."""
     joint = _one_joint('joint_commands', message, ('effort',))
-    return to_nanoseconds(message.header.stamp), joint, message.effort[0]
+    return message.stamp, joint, message.effort[0]
 
 
-def _one_joint(channel: str, message: JointState, fields) -> int:
+def _one_joint(channel: str, message: JointReading, fields) -> int:
     if len(message.name) != 1 or message.name[0] not in JOINT_NAMES:
         raise MessageError(f'{channel}.name: got {_shown(message.name)}; allowed: one of {list(JOINT_NAMES)}')
     for field in fields:

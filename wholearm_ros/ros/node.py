@@ -1,4 +1,5 @@
 """What every node of the graph shares: channels, refusals that do not kill, diagnostics, and a way to leave."""
+import gc
 import os
 import signal
 import sys
@@ -10,11 +11,14 @@ from rclpy.clock import Clock, ClockType
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
 
 from ..errors import WholeArmError
 from . import channels
+from .joint_wire import read_joints
 from .messages import status_message
-from .parameters import Declared, Parameters
+from .parameters import Declared, Parameters, survives_unknown_types
 
 LEAVE_WITHIN = 0.8  # [s] after SIGINT or SIGTERM; then the process ends whatever a callback is doing
 SIGNAL_PERIOD = 0.05  # [s] between two looks at whether a signal came
@@ -39,16 +43,26 @@ class WholeArmNode(Node):
         return self.create_publisher(topic.type, topic.name, topic.qos)
 
     def subscription(self, topic: channels.Topic, callback):
-        """`callback(message)`; a WholeArmError in it refuses the message: logged, counted, and that is all."""
+        """`callback(message)`; a WholeArmError in it refuses the message: logged, counted, and that is all.
+
+        A JointState comes as a JointReading, read from the wire, and is not acknowledged: sent again, it would be old.
+        """
+        raw = topic.type is JointState
+
         def guarded(message):
             try:
-                callback(message)
+                callback(read_joints(message) if raw else message)
             except WholeArmError as error:
                 self.refuse(f'{topic.name}: refused: {error}')
-        return self.create_subscription(topic.type, topic.name, guarded, topic.qos)
+        qos = channels.NO_RESENDING if raw else topic.qos
+        return self.create_subscription(topic.type, topic.name, guarded, qos, raw=raw)
 
     def service(self, service: channels.Service, callback):
         return self.create_service(service.type, service.name, callback)
+
+    def create_service(self, srv_type, srv_name, callback, **more):
+        """Those for parameters too, which rclpy makes."""
+        return super().create_service(srv_type, srv_name, survives_unknown_types(srv_type, callback), **more)
 
     def every(self, seconds: float, callback):
         """A timer on the machine's own clock: simulated time may stand still."""
@@ -99,8 +113,11 @@ def run_node(make_node, args=None, make_executor=EventsExecutor) -> int:
     executor = make_executor()
     executor.add_node(node)
     _raise_priority(node)
-    while not signalled.is_set() and not node.finished():  # EventsExecutor.spin() would serve no timer
-        executor.spin_once(timeout_sec=SIGNAL_PERIOD)
+    gc.collect()
+    gc.freeze()  # what is there stays: no collection of it holds up the loop
+    never = Future(executor=executor)
+    while not signalled.is_set() and not node.finished():  # spin() would not look up, spin_once() returns every message
+        executor.spin_until_future_complete(never, timeout_sec=SIGNAL_PERIOD)
     node.leave()
     rclpy.try_shutdown()
     finished.set()

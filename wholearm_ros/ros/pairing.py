@@ -1,11 +1,10 @@
 """A setpoint meets the joint state it was made for: what both controller nodes share."""
 from collections import OrderedDict
-from dataclasses import replace
 from typing import Dict
 
 from ..control.setpoints import Joints
 from . import channels
-from .messages import NANOSECONDS, fill_effort, joint_message, to_joints, to_nanoseconds
+from .messages import NANOSECONDS, effort_bytes, to_joints
 from .node import OK, STALE, WholeArmNode
 from .parameters import Declared
 
@@ -28,10 +27,10 @@ class ControllerNode(WholeArmNode):
         self._waiting: Dict[int, object] = {}             # stamp → setpoint without a joint state yet
         self._states: 'OrderedDict[int, Joints]' = OrderedDict()  # stamp → the last few joint states
         self._newest = -1
-        self.commanded, self.stale, self.last_joint = 0, 0, None
-        self._command = joint_message(('',))
+        self.states = self.commanded = self.stale = 0
+        self.answered, self.last_joint = -1, None         # stamp and joint of the last command
         self._commands = self.publisher(channels.JOINT_COMMANDS)
-        self.subscription(replace(topic, qos=channels.RELIABLE), self._on_setpoint)
+        self.subscription(topic, self._on_setpoint)
         self.subscription(channels.JOINT_STATES, self._on_joints)
 
     def effort(self, setpoint, joints: Joints) -> float:
@@ -39,7 +38,7 @@ class ControllerNode(WholeArmNode):
         raise NotImplementedError
 
     def _on_setpoint(self, message):
-        self._waiting[to_nanoseconds(message.header.stamp)] = self._read(message)
+        self._waiting[message.stamp] = self._read(message)
         self._act()
 
     def _on_joints(self, message):
@@ -47,6 +46,7 @@ class ControllerNode(WholeArmNode):
         if stamp < self._newest:  # another run: nothing of the old one counts
             self._waiting.clear()
             self._states.clear()
+        self.states += stamp != self._newest
         self._newest = stamp
         self._states[stamp] = joints
         if len(self._states) > KEPT:
@@ -60,20 +60,19 @@ class ControllerNode(WholeArmNode):
                 self.stale += 1
                 continue
             joints = self._states.get(stamp) or next(j for s, j in self._states.items() if s > stamp)
-            fill_effort(self._command, stamp, setpoint.joint, self.effort(setpoint, joints))
-            self._commands.publish(self._command)
-            self.commanded, self.last_joint = self.commanded + 1, setpoint.joint
+            self._commands.publish(effort_bytes(stamp, setpoint.joint, self.effort(setpoint, joints)))
+            self.commanded, self.answered, self.last_joint = self.commanded + 1, stamp, setpoint.joint
         while len(self._waiting) > KEPT:
             del self._waiting[max(self._waiting)]  # the one farthest ahead of time
 
     def leave(self):
         """Zero torque on the way out."""
         if self.last_joint is not None:
-            fill_effort(self._command, self._newest, self.last_joint, 0.0)
-            self._commands.publish(self._command)
+            self._commands.publish(effort_bytes(self._newest, self.last_joint, 0.0))
 
     def health(self):
-        values = {'commands': self.commanded, 'stale setpoints': self.stale}
+        values = {'states': self.states, 'stamp': self._newest, 'commands': self.commanded, 'newest command': self.answered,
+                  'stale setpoints': self.stale}
         if self._newest < 0:
             return STALE, 'no joint_states yet', values
         return OK, 'running', values

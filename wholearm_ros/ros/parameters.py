@@ -3,11 +3,13 @@ from dataclasses import dataclass
 from typing import Any, Callable, Optional
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.parameter import Parameter
 
 from ..errors import WholeArmError
 
+_KNOWN = {kind.value for kind in Parameter.Type}
 _TYPES = {bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parameter.Type.DOUBLE,
           str: Parameter.Type.STRING, list: Parameter.Type.STRING_ARRAY}
 
@@ -86,6 +88,23 @@ class Parameters:
         self._values.update(known)
         if known and self._on_change:
             self._on_change()
+
+
+def survives_unknown_types(kind: type, callback: Callable):
+    """`callback` of rclpy's own service for SetParameters or SetParametersAtomically, which a value of no known type
+    would end the node with: it is refused instead."""
+    def guarded(request, response):
+        wrong = [p for p in request.parameters if p.value.type not in _KNOWN]
+        if not wrong:
+            return callback(request, response)
+        refusal = SetParametersResult(successful=False, reason=f'{wrong[0].name}: got type {wrong[0].value.type}; '
+                                      f'allowed: {min(_KNOWN)} to {max(_KNOWN)} (rcl_interfaces/msg/ParameterType)')
+        if kind is SetParameters:
+            response.results = [refusal] * len(request.parameters)
+        else:
+            response.result = refusal
+        return response
+    return guarded if kind in (SetParameters, SetParametersAtomically) else callback
 
 
 def _declare(node, p: Declared):

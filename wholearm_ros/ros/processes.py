@@ -3,9 +3,11 @@ import ctypes
 import fcntl
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import WholeArmError
@@ -17,6 +19,26 @@ SHARED_MEMORY = Path('/dev/shm')
 
 class NodeDied(WholeArmError):
     """A node process ended by itself."""
+
+
+class DomainTaken(WholeArmError):
+    """Another launcher runs its graph in this ROS domain."""
+
+
+@contextmanager
+def alone_in_domain():
+    """No second launcher on this machine may start nodes of the same names: two hands would answer every setpoint.
+
+    The name of an abstract socket is taken: it goes with the process, however that ends. Raises DomainTaken.
+    """
+    domain = os.environ.get('ROS_DOMAIN_ID') or '0'
+    with socket.socket(socket.AF_UNIX) as name:
+        try:
+            name.bind(f'\0wholearm_ros/domain/{domain}')
+        except OSError as error:
+            raise DomainTaken(f'ROS_DOMAIN_ID: got {domain}, in which another `wholearm run` is under way; '
+                              'allowed: a domain of its own, 0 to 101') from error
+        yield
 
 
 class Processes:
@@ -33,8 +55,8 @@ class Processes:
         self.stop()
 
     def start(self, node: str, parameters: dict, namespace: str = ''):
-        """`python -m wholearm_ros.nodes.NODE` with `parameters`, its output in a file of its own."""
-        command = [sys.executable, '-m', f'wholearm_ros.nodes.{node}', '--ros-args']
+        """The program of `node` with `parameters`, its output in a file of its own."""
+        command = [*self.program(node), '--ros-args']
         if namespace:
             command += ['-r', f'__ns:={namespace}']
         for name, value in parameters.items():
@@ -43,6 +65,10 @@ class Processes:
             # A session of its own: Ctrl-C reaches the launcher only, which then stops the nodes in order.
             self._running[node] = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
                                                    start_new_session=True, preexec_fn=_die_with_parent)
+
+    def program(self, node: str) -> list:
+        """The command that runs `node`, without arguments."""
+        return [sys.executable, '-m', f'wholearm_ros.nodes.{node}']
 
     def log_of(self, node: str) -> Path:
         return self._logs / f'{node}.log'

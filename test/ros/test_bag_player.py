@@ -1,0 +1,60 @@
+"""The bag player: what was recorded, byte for byte, from where, how fast and which topics it is told."""
+import time
+from pathlib import Path
+
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from wholearm_ros.ros import channels
+from wholearm_ros.ros.bag_reader import Bag
+from wholearm_ros.ros.messages import NANOSECONDS, to_nanoseconds
+
+pytestmark = pytest.mark.timeout(280)
+BAG = Path(__file__).parents[2] / 'bags' / 'asymmetric_hexagon'
+DEEP = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
+DEEP_LATCHED = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+START, RATE = 1.5, 4.0  # [s], factor
+
+
+def test_offset_rate_topics_and_clock(graph):
+    with Bag(BAG) as bag:
+        recorded = [(c.topic, at, bytes(data)) for c, at, data in bag.raw()]
+        begin = bag.start + round(START * NANOSECONDS)
+    wanted = [data for topic, at, data in recorded if topic.endswith('/joint_states') and at >= begin]
+    latched = [data for topic, at, data in recorded if topic.endswith('/mode') and at < begin][-1]
+    modes_after = [data for topic, at, data in recorded if topic.endswith('/mode') and at >= begin]
+    span = (recorded[-1][1] - begin) / NANOSECONDS
+
+    states, modes, others, clock = [], [], [], graph.listen(channels.CLOCK)
+    for topic, found, qos in ((channels.JOINT_STATES, states, DEEP), (channels.MODE, modes, DEEP_LATCHED),
+                              (channels.OBJECT_POSE, others, channels.BEST_EFFORT)):
+        graph.node.create_subscription(topic.type, topic.name, found.append, qos, raw=True)
+    began = time.monotonic()
+    graph.processes.start('bag_player', {'path': str(BAG), 'topics': ['joint_states', 'mode'], 'start': START, 'rate': RATE,
+                                         'clock': 50.0, 'wait_for_subscribers': 30.0, 'stay': True})
+    graph.wait(lambda: len(states) == len(wanted) and len(modes) == 1 + len(modes_after), 'the whole of it')
+    assert time.monotonic() - began >= 0.9 * span / RATE, 'not faster than it was told'
+    assert [bytes(s) for s in states] == wanted
+    assert [bytes(m) for m in modes] == [latched, *modes_after], 'the newest latched message of before comes first'
+    assert not others, 'only the topics asked for'
+    stamps = [to_nanoseconds(m.clock) for m in clock]
+    assert stamps == sorted(stamps) and begin <= stamps[0] and stamps[-1] <= recorded[-1][1]
+    assert len(stamps) > 10
+
+
+def test_it_ends_by_itself_and_says_how_much_it_played(graph):
+    graph.processes.start('bag_player', {'path': str(BAG), 'topics': ['contact_plan'], 'rate': 1000.0})
+    process = graph.processes._running['bag_player']
+    assert process.wait(timeout=60) == 0
+    assert 'played 1 messages' in graph.processes.log_of('bag_player').read_text()
+
+
+def test_a_bag_that_was_cut_off_is_refused_with_a_reason(tmp_path):
+    from wholearm_ros.errors import BagError
+    cut = tmp_path / 'bag'
+    cut.mkdir()
+    for file in BAG.iterdir():
+        data = file.read_bytes()
+        (cut / file.name).write_bytes(data[:len(data) // 2] if file.suffix == '.mcap' else data)
+    with pytest.raises(BagError, match='cannot be read as a bag'):
+        Bag(cut).__enter__()

@@ -1,0 +1,66 @@
+"""A graph of real node processes and a client in it, for tests."""
+import time
+from pathlib import Path
+
+from wholearm_ros.ros import channels
+from wholearm_ros.ros.client import Client
+from wholearm_ros.ros.processes import Processes
+
+WAIT = 150.0  # [s] a bound, not a measure: machines may be loaded
+LOOP = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller')
+ALL = (*LOOP, 'trajectory_generator', 'contact_state_planner')
+PACED = ('hand_hardware', 'mode_switcher')
+
+
+class Graph:
+    """Node processes, a client, and what the client heard on the topics it was told to listen to."""
+
+    def __init__(self, log_directory: Path):
+        self.processes = Processes(log_directory)
+        self.client = Client(name='test_client')
+        self.node, self.heard = self.client.node, {}
+
+    def start(self, nodes, pacing='lockstep', **parameters):
+        """`parameters`: by node name, dictionaries."""
+        for name in nodes:
+            paced = {'pacing': pacing} if name in PACED else {}
+            self.processes.start(name, {**paced, **parameters.get(name, {})})
+        self.client.watch = self.processes.check
+
+    def listen(self, topic: channels.Topic) -> list:
+        """A list that grows with every message of `topic`."""
+        messages = self.heard.setdefault(topic.name, [])
+        self.node.create_subscription(topic.type, topic.name, messages.append, topic.qos)
+        return messages
+
+    def talk(self, topic: channels.Topic, subscribers: int = 1):
+        """A publisher that has found its subscribers."""
+        publisher = self.node.create_publisher(topic.type, topic.name, topic.qos)
+        self.wait(lambda: publisher.get_subscription_count() >= subscribers, f'subscribers of {topic.name}')
+        return publisher
+
+    def wait(self, condition, what: str = 'condition', seconds: float = WAIT):
+        self.client.wait(condition, seconds, what)
+
+    def spin(self, seconds: float):
+        """Only to give something unwanted the time to happen."""
+        until = time.monotonic() + seconds
+        self.client.wait(lambda: time.monotonic() > until, seconds + 1.0, 'time')
+
+    def plan(self):
+        """Calls plan_scenario and waits until its trajectory is here."""
+        answer = self.client.call(channels.PLAN_SCENARIO, WAIT)
+        assert answer.success, answer.message
+        heard = self.client.heard
+        self.wait(lambda: heard.plan and heard.trajectory and heard.trajectory.plan_id == heard.plan.id, 'trajectory')
+        return heard.plan
+
+    def execute(self, plan_id: str) -> dict:
+        """Sends the goal and waits for its result."""
+        self.client.send_goal(plan_id)
+        self.wait(lambda: self.client.heard.result, 'result')
+        return self.client.heard.result
+
+    def close(self):
+        self.client.close()
+        self.processes.stop()
