@@ -5,6 +5,7 @@ perturbed copies is offered at once. What does not sends the search on, without 
 """
 import time
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from typing import Callable, Optional
 
@@ -15,6 +16,7 @@ from .mechanics.copies import build_copies
 from .model.plan import NOT_EXECUTABLE, ContactPlan
 from .model.scenario import Scenario
 from .model.trajectory import CAGING, DWELL, DYNAMIC, ManipulationTrajectory
+from .planning.move_search import STYLES
 from .planning.search import BEST, MoveRoutes, SearchOptions, make_routes
 from .trajectory.generate import generate
 from .trajectory.options import AUTO, FRONT, REAR, ExecutionOptions
@@ -46,7 +48,7 @@ class Request:
     good: float = 0.8
     accept: float = 0.6
     candidates: int = 100
-    moves: int = 12000
+    moves: int = 8000
     time_budget: float = 180.0
 
 
@@ -80,8 +82,9 @@ def offer(scenario: Scenario, request: Request = Request(), controls: ControlOpt
     options = SearchOptions(request.search, request.seed, request.limit, request.moves)
     trying = _Trying(scenario, request, controls, progress)
     first = trying.routes_of(make_routes, options, execution_variants(request))
-    if trying.best.share < request.good and request.moves:
-        trying.routes_of(MoveRoutes, options, move_variants())
+    for style in STYLES if request.moves else ():
+        if trying.best.share < request.good:
+            trying.routes_of(partial(MoveRoutes, style=style, stop=trying.late), options, move_variants())
     if trying.best.share >= request.accept:
         trying.sharpen()
         return trying.offered()
@@ -103,7 +106,7 @@ class _Trying:
         with _timed(self.clock, 'plan_ms'):
             routes = source(self.scenario, options)
             first = plan = routes.next_plan()
-        while plan.found and self.tried < budget and time.monotonic() - self._began < self.request.time_budget:
+        while plan.found and self.tried < budget and not self.late():
             failed = self._try(plan, variants[:budget - self.tried])
             if self._done():
                 break
@@ -111,6 +114,10 @@ class _Trying:
             with _timed(self.clock, 'plan_ms'):
                 plan = routes.next_plan(failed)
         return first
+
+    def late(self) -> bool:
+        """Whether the time budget is spent."""
+        return time.monotonic() - self._began > self.request.time_budget
 
     def _done(self):
         return self.best.share >= max(PLENTY, self.request.good) or self.tried >= self._enough

@@ -7,6 +7,7 @@ as the controllers would, end up in nearly the same place: what physics does not
 """
 import heapq
 from dataclasses import dataclass, replace
+from typing import Callable
 
 import numpy as np
 
@@ -22,10 +23,8 @@ from ..model.trajectory import CAGING, DYNAMIC
 from .expansion import lowering
 from .task import Task
 
-TORQUES = (0.05, 0.2, 0.6, 1.5, 3.5)  # [N m] towards closing
 SWEEP = 0.9          # [rad]
 STOP_EVERY = 0.1     # [rad] along a sweep
-SWEEP_SPEED = 2.0    # [rad/s]
 LONG_SETTLE = 0.6    # [s] for a move that does not end at rest at once
 THROW_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
 THROW_TORQUES = (0.2, 1.0, 3.5)       # [N m]
@@ -38,6 +37,17 @@ CELL = np.array([0.01, 0.01, 0.06, 0.12, 0.12])  # [m, rad] states in the same c
 DEPTH_COST = 0.06    # [rad] of a move, against the rotation that is left
 TOUCHING = 2e-4      # [m] gap of a closed pair after a simulation
 SAMPLE_EVERY = 10    # of a move's records, kept in its leg
+
+
+@dataclass(frozen=True)
+class Style:
+    """Of a tree's sweeps: greatest speed [rad/s], and torques of the other finger [N m] towards closing."""
+
+    speed: float
+    torques: tuple
+
+
+STYLES = Style(2.0, (0.05, 0.2, 0.6, 1.5, 3.5)), Style(1.2, (0.1, 0.35, 1.0, 2.5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +64,8 @@ class State:
 class MoveTree:
     """The tree, its open stops in a queue; `grow` takes one of them."""
 
-    def __init__(self, task: Task, seed: int):
-        self.task, self._controls = task, ControlOptions()
+    def __init__(self, task: Task, seed: int, style: Style = STYLES[0]):
+        self.task, self._style, self._controls = task, style, ControlOptions()
         self._copies = build_copies(task.scenario, PARTICLES, 1.0, seed + 1)
         world = task.world
         rest = Rest(task.start, world.finger_moment * np.cos(task.start[3:]))
@@ -111,14 +121,14 @@ class MoveTree:
             torques = self._torques(state.rest.q, 1 - side)
             for way in (1.0, -1.0):
                 for torque in torques:
-                    sweep = Move(side, way * SWEEP, torque, SWEEP_SPEED, settle=0.0)
+                    sweep = Move(side, way * SWEEP, torque, self._style.speed, settle=0.0)
                     self._open_stops(k, state, sweep, self._simulate(state.rest, sweep))
         if self._left(state.rest.q) < THROW_WITHIN:
             self._open_throws(k, state)
 
     def _torques(self, q, side):
         """Torques of finger `side` worth trying from q: a few, and those in the ranges of its four-contact equilibria."""
-        torques = list(TORQUES)
+        torques = list(self._style.torques)
         model_pairs = four_contact_subsets(closed_pairs(self.task.world, q, TOUCHING))
         for pairs in model_pairs:
             model = build_quasistatics(self.task.world, pairs, q)
@@ -192,12 +202,12 @@ class MoveTree:
         return tuple(np.round(q / CELL).astype(int).tolist())
 
 
-def main_move_search(task: Task, tree: MoveTree, limit: int):
+def main_move_search(task: Task, tree: MoveTree, limit: int, stop: Callable[[], bool] = lambda: False):
     """(subgoals, legs) of the next route that the tree leads to the goal, or None when it is done with.
 
-    limit: of simulated moves in the whole tree.
+    limit: of simulated moves in the whole tree; stop: whether to give up, asked now and then.
     """
-    while tree.simulated < limit:
+    while tree.simulated < limit and not stop():
         try:
             k = tree.grow()
         except IndexError:

@@ -1,5 +1,6 @@
 """Phase 1 as a whole: a scenario in, contact plans out, one route after the other."""
 from dataclasses import dataclass
+from typing import Callable
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from ..model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, ContactPlan
 from ..model.scenario import Scenario
 from ..model.task import turns_clockwise
 from .best_search import ArcGraph, best_route
-from .move_search import MoveTree, main_move_search
+from .move_search import STYLES, MoveTree, Style, main_move_search
 from .random_search import main_random_search
 from .task import build_task
 
@@ -19,12 +20,12 @@ BEST, RANDOM = 'best', 'random'
 @dataclass(frozen=True)
 class SearchOptions:
     """search: best or random; seed: of the random one, and of the copies that judge dynamic moves; limit: of expansions
-    (i_max); move_limit: of moves simulated where the arcs do not lead to the goal, 0 for none."""
+    (i_max); move_limit: of moves simulated in one tree where the arcs do not lead to the goal, 0 for none."""
 
     search: str = BEST
     seed: int = 0
     limit: int = 5000
-    move_limit: int = 12000
+    move_limit: int = 8000
 
 
 def make_routes(scenario: Scenario, options: SearchOptions):
@@ -118,16 +119,18 @@ class RandomRoutes(_Routes):
 class MoveRoutes(_Routes):
     """Routes of dynamic moves, each one another way through the tree of states at rest."""
 
-    def __init__(self, scenario: Scenario, options: SearchOptions):
+    def __init__(self, scenario: Scenario, options: SearchOptions, style: Style = STYLES[0],
+                 stop: Callable[[], bool] = lambda: False):
         super().__init__(scenario, options)
-        self._tree = MoveTree(self.task, options.seed)
+        self._stop = stop
+        self._tree = MoveTree(self.task, options.seed, style)
 
     def next_plan(self, failed_leg: int = None) -> ContactPlan:
         """The next route the tree grows into; which leg of the last one failed makes no difference."""
-        route = main_move_search(self.task, self._tree, self.options.move_limit)
+        route = main_move_search(self.task, self._tree, self.options.move_limit, self._stop)
         counts = {'states_at_rest': len(self._tree.states), 'moves_simulated': self._tree.simulated}
         if route is None:
-            spent = self._tree.simulated >= self.options.move_limit
+            spent = self._tree.simulated >= self.options.move_limit or self._stop()
             return self._document(LIMIT_REACHED if spent else EXHAUSTED, 'no sequence of dynamic moves was found', counts)
         subgoals, legs = route
         cost = {'total': float(len(legs))}
