@@ -1,4 +1,5 @@
 """The main job on the real graph: plan, execute in lockstep, record; the same every time."""
+import json
 import subprocess
 import sys
 
@@ -6,24 +7,38 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.ros import channels
 from wholearm_ros.ros.bag_reader import Bag, stamp_of
 from wholearm_ros.ros.bag_types import jazzy_typestore
-from wholearm_ros.ros.launcher import RunOptions, run_graph
 
 pytestmark = pytest.mark.timeout(280)
 
 
+RUN = """
+import json, sys
+from pathlib import Path
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.ros.launcher import RunOptions, run_graph
+path, more = sys.argv[1], json.loads(sys.argv[2])
+more['record'] = more.get('record') and Path(more['record'])
+report = run_graph(load_scenario(path), RunOptions(path, 'lockstep', **more), lambda *_: None)
+print(json.dumps([report.success, report.message, report.judged.pose.tolist(), report.judged.angle_error]))
+"""
+
+
 def lockstep(config, name, **more):
-    path = config / f'{name}.yaml'
-    return run_graph(load_scenario(path), RunOptions(str(path), 'lockstep', **more), lambda *_: None)
+    """(success, message, pose (3,), angle error) of a run by a launcher of its own, as every user's."""
+    told = json.dumps({key: str(value) if key == 'record' else value for key, value in more.items()})
+    done = subprocess.run([sys.executable, '-c', RUN, str(config / f'{name}.yaml'), told], capture_output=True, text=True,
+                          timeout=130)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, tmp_path, domain):
-    report = lockstep(config, 'asymmetric_hexagon', record=tmp_path / 'bag')
-    assert report.success, (report.message, report.result, report.judged)
-    assert abs(report.judged.angle_error) <= 0.03
+    success, message, pose, angle_error = lockstep(config, 'asymmetric_hexagon', record=tmp_path / 'bag')
+    assert success, message
+    assert abs(angle_error) <= 0.03
     with AnyReader([tmp_path / 'bag']) as reader:
         counts = {c.topic: c.msgcount for c in reader.connections}
         hashes = {c.msgtype: c.digest for c in reader.connections}
@@ -42,13 +57,13 @@ def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, 
     assert set(np.diff(setpoints)) == {1_000_000}
     assert set(setpoints) <= set(commands) and len(commands) >= 2 * len(setpoints)
 
-    again = lockstep(config, 'asymmetric_hexagon')
-    np.testing.assert_allclose(again.judged.pose, report.judged.pose, rtol=0, atol=1e-9)
+    again = lockstep(config, 'asymmetric_hexagon')[2]
+    np.testing.assert_allclose(again, pose, rtol=0, atol=1e-9)
 
 
 def test_the_regular_hexagon_at_500_hz_on_the_planar_stand_in(config, domain):
-    report = lockstep(config, 'regular_hexagon', rate=500.0, backend='planar', seed=3)
-    assert report.success, (report.message, report.result, report.judged)
+    success, message, _, _ = lockstep(config, 'regular_hexagon', rate=500.0, backend='planar', seed=3)
+    assert success, message
 
 
 def test_the_command_runs_in_real_time_with_every_option(tmp_path, domain):
@@ -57,7 +72,7 @@ def test_the_command_runs_in_real_time_with_every_option(tmp_path, domain):
                            '200', '--backend', 'planar', '--seed', '2', '--search', 'best', '--transition', 'dwell',
                            '--record', str(tmp_path / 'bag'), '--storage', 'sqlite3'],
                           capture_output=True, text=True, timeout=250)
-    assert done.returncode in (0, 1) and 'failed' not in done.stdout, done.stdout + done.stderr
+    assert done.returncode in (0, 1) and 'failed: ' not in done.stdout, done.stdout + done.stderr
     with AnyReader([tmp_path / 'bag']) as reader:
         assert reader.message_count > 100
 
