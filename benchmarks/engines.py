@@ -1,6 +1,6 @@
 """Our planar time stepping against PyBullet: the same trajectories, the same perturbations, both behind the same controllers.
 
-    python benchmarks/engines.py SUITE.json [--tasks 10] [--draws 10] [--seed 0] [--json OUT]
+    python benchmarks/engines.py [SUITE.json] [--tasks 10] [--draws 10] [--seed 0] [--json OUT]
 
 For each task: the largest difference of the object's pose before its first impact (the first instant at which its velocity
 jumps in either engine), how often both engines agree on whether the object ends at its goal, and the largest residual of
@@ -8,6 +8,7 @@ the complementarity problems.
 """
 import argparse
 import json
+from pathlib import Path
 
 import numpy as np
 
@@ -16,13 +17,14 @@ from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.offer import Request, offer
 from wholearm_ros.simulation.outcome import outcome
 from wholearm_ros.simulation.run import run
+from wholearm_ros.simulation.suite_file import Task, load_suite
 
 JUMP = np.array([0.02, 0.02, 0.3])  # [m/s, m/s, rad/s] change of the object's velocity in 1 ms that only an impact makes
 
 
-def compare(task: dict, draws: int, seed: int) -> dict:
+def compare(task: Task, draws: int, seed: int) -> dict:
     """One task; None when there is no plan for it."""
-    scenario = parse_scenario(task)
+    scenario = parse_scenario(task.scenario, task.name)
     answer = offer(scenario, Request(seed=seed))
     if answer.trajectory is None:
         return None
@@ -35,7 +37,7 @@ def compare(task: dict, draws: int, seed: int) -> dict:
         truth = draw_perturbation(np.random.default_rng([seed, k]), float(k > 0), scenario)
         pairs.append([outcome(scenario, run(scenario, answer.trajectory, backend=engine, perturbation=truth)).executed
                       for engine in records])
-    return {'name': task['name'], 'until': float(records['planar'].times[count - 1]), 'apart_mm': 1e3 * float(apart[:2].max()),
+    return {'name': task.name, 'until': float(records['planar'].times[count - 1]), 'apart_mm': 1e3 * float(apart[:2].max()),
             'apart_mrad': 1e3 * float(apart[2]), 'agree': sum(a == b for a, b in pairs), 'of': draws,
             'executed': [sum(a for a, _ in pairs), sum(b for _, b in pairs)],
             'residual': answer.trajectory.verification['lcp_residual']}
@@ -49,17 +51,15 @@ def first_impact(record) -> int:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('suite')
+    parser.add_argument('suite', type=Path, nargs='?', default=Path(__file__).with_name('suite.json'))
     parser.add_argument('--tasks', type=int, default=10)
     parser.add_argument('--draws', type=int, default=10)
     parser.add_argument('--seed', type=int, default=0)
     parser.add_argument('--json')
     options = parser.parse_args()
-    with open(options.suite) as file:
-        tasks = json.load(file)['tasks']
     results = []
     print('task       until    apart before the first impact   outcomes agree   executed planar/PyBullet   LCP residual')
-    for task in tasks:
+    for task in load_suite(options.suite):
         if len(results) == options.tasks:
             break
         r = compare(task, options.draws, options.seed)

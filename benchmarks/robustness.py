@@ -20,14 +20,15 @@ from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.offer import Request, offer
 from wholearm_ros.simulation.outcome import outcome
 from wholearm_ros.simulation.run import run
+from wholearm_ros.simulation.suite_file import Task, load_suite
 
 
-def judge(task: dict, levels: tuple, draws: int, seed: int) -> dict:
+def judge(task: Task, levels: tuple, draws: int, seed: int) -> dict:
     """One task: its plan, and for every level the outcomes of its runs."""
-    scenario = parse_scenario(task)
+    scenario = parse_scenario(task.scenario, task.name)
     began = time.perf_counter()
     answer = offer(scenario, Request(seed=seed))
-    result = {'name': task['name'], 'planned': answer.trajectory is not None, 'reason': answer.plan.reason,
+    result = {'name': task.name, 'planned': answer.trajectory is not None, 'reason': answer.plan.reason,
               'seconds': time.perf_counter() - began, 'timings': answer.timings, 'levels': {}}
     if answer.trajectory is None:
         return result
@@ -50,8 +51,7 @@ def main():
     parser.add_argument('--jobs', type=int, default=2)
     parser.add_argument('--json')
     options = parser.parse_args()
-    with open(options.suite) as file:
-        tasks = json.load(file)['tasks']
+    tasks = load_suite(options.suite)
     work = partial(judge, levels=tuple(options.levels), draws=options.draws, seed=options.seed)
     results = []
     with ProcessPoolExecutor(options.jobs, mp_context=get_context('spawn')) as pool:

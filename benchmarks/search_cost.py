@@ -5,7 +5,6 @@
 Margin: least robust half width of the torque range [N m]; cost: contact-state changes plus motion [rad].
 """
 import argparse
-import json
 import time
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planning.search import BEST, RANDOM, SearchOptions, plan
+from wholearm_ros.simulation.suite_file import load_suite
 
 
 def timed(scenario, options):
@@ -27,8 +27,7 @@ def main():
     parser.add_argument('suite', type=Path, nargs='?', default=Path(__file__).with_name('suite.json'))
     parser.add_argument('--seeds', type=int, default=10)
     options = parser.parse_args()
-    with open(options.suite) as file:
-        scenarios = [parse_scenario(task) for task in json.load(file)['tasks']]
+    scenarios = [parse_scenario(task.scenario, task.name) for task in load_suite(options.suite)]
     for search in (BEST, RANDOM):
         timed(scenarios[0], SearchOptions(search))  # so that compiled code is loaded
     best_ms, random_ms, ratios, gains, best_subgoals, random_subgoals, found = [], [], [], [], [], [], [0, 0]

@@ -42,13 +42,13 @@ class Request:
     search: str = BEST
     seed: int = 0
     transition: str = AUTO
-    limit: int = 5000
+    limit: int = SearchOptions.limit
     copies: int = 12
     level: float = 1.4
     good: float = 0.8
     accept: float = 0.6
     candidates: int = 100
-    moves: int = 8000
+    moves: int = SearchOptions.move_limit
     time_budget: float = 180.0
 
 
