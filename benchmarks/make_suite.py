@@ -17,11 +17,11 @@ from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scen
 HERE = Path(__file__).parent
 SHIPPED = [scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml'))
            for name in ('asymmetric_hexagon', 'regular_hexagon')]
-CORNERS = (4, 5, 6, 6, 6, 7, 8)  # how many, one task after the other
+CORNERS = (6, 5, 6, 8, 6, 4, 6, 7, 6, 5, 6, 6)  # how many, one task after the other: mostly hexagons
 
 
 def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
-    """A scenario as a dictionary: a convex polygon 8 to 13 cm across, at rest between the fingers, to be turned onto the next
+    """A scenario as a dictionary: a convex polygon 10 to 14 cm across, at rest between the fingers, to be turned onto the next
     edge on which it can rest, either way round. What cannot be started is drawn again."""
     while True:
         vertices, turn, edge = _outline(rng, corners), int(rng.choice([-1, 1])), int(rng.integers(corners))
@@ -39,10 +39,10 @@ def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
 
 
 def _outline(rng, corners) -> list:
-    """Points of an ellipse, counter-clockwise from the origin, to the millimetre."""
-    gaps = rng.uniform(1.0, 2.5, corners)
+    """Points in turn round a centre, as far from it as chance will, from the first one, to the millimetre."""
+    gaps = rng.uniform(1.0, 1.8, corners)
     angles = rng.uniform(0.0, 2 * np.pi) + 2 * np.pi * np.cumsum(gaps) / gaps.sum()
-    points = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.042, 0.062, 2)
+    points = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.052, 0.07, (corners, 1))
     return np.round(points - points[0], 3).tolist()
 
 

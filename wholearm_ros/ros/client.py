@@ -53,8 +53,11 @@ class Client:
         self.node.create_subscription(channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, _guarded(self._on_pose), deep)
 
     def close(self):
+        """With its participant, which would live on beside that of this process's next client."""
+        self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
+        self.context.destroy()
 
     def wait(self, condition, seconds: float, what: str):
         """Spins until `condition()`; raises GraphError after `seconds`."""
