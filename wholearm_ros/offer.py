@@ -12,6 +12,7 @@ from typing import Callable, Optional
 import numpy as np
 
 from .control.setpoints import ControlOptions
+from .errors import DocumentError
 from .mechanics.copies import build_copies
 from .model.plan import NOT_EXECUTABLE, ContactPlan
 from .model.scenario import Scenario
@@ -97,7 +98,8 @@ class _Trying:
     def __init__(self, scenario, request, controls, progress):
         self.scenario, self.request, self.controls, self.progress = scenario, request, controls, progress
         self.clock = {'plan_ms': 0.0, 'generate_ms': 0.0, 'verify_ms': 0.0}
-        self.best, self.tried, self._copies, self._began = _Best(), 0, None, time.monotonic()
+        self.best, self.tried, self._began = _Best(), 0, time.monotonic()
+        self._copies, self._falls = None, np.zeros(request.copies + 1, int)  # falls: how many candidates each copy let down
         self._enough = np.inf
 
     def routes_of(self, source, options, variants) -> ContactPlan:
@@ -131,8 +133,12 @@ class _Trying:
                 continue
             self.tried += 1
             candidate = plan.with_execution(options.to_dict())
-            with _timed(self.clock, 'generate_ms'):
-                trajectory = generate(self.scenario, candidate, options)
+            try:
+                with _timed(self.clock, 'generate_ms'):
+                    trajectory = generate(self.scenario, candidate, options)
+            except DocumentError:  # a move that does not end at rest when it is made again
+                failures.append(len(plan.legs) - 1)
+                continue
             with _timed(self.clock, 'verify_ms'):
                 verification = self._verify(trajectory)
             failures.append(_failed_leg(plan, trajectory, verification))
@@ -147,14 +153,17 @@ class _Trying:
         return max(set(failures), key=failures.count)
 
     def _verify(self, trajectory):
-        """All copies, but no more of them than it takes to see that the best so far is not beaten."""
+        """All copies, but no more of them than it takes to see that the best so far is not beaten, or that this one cannot be
+        offered; those that most candidates fell for come first, after the nominal one."""
         if self._copies is None:
             self._copies = build_copies(self.scenario, self.request.copies, self.request.level, self.request.seed)
+        order = [0, *(1 + np.argsort(-self._falls[1:], kind='stable'))]
         trials, asked = [], len(self._copies)
-        for trial in run_trials(trajectory, self.scenario, self._copies, self.controls):
+        for k, trial in zip(order, run_trials(trajectory, self.scenario, [self._copies[k] for k in order], self.controls)):
             trials.append(trial)
-            failed = sum(not t.success for t in trials)
-            if not trials[0].success or (asked - failed) / asked <= self.best.share:
+            self._falls[k] += not trial.success
+            share = (asked - sum(not t.success for t in trials)) / asked
+            if not trials[0].success or share <= self.best.share or share < self.request.accept:
                 break
         return Verification(tuple(trials), asked)
 
@@ -173,9 +182,13 @@ class _Trying:
             for options in ways:
                 plan = self.best.plan.with_execution(options.to_dict())
                 trajectory = generate(self.scenario, plan, options)
-                harder_trials = run_trials(trajectory, self.scenario, harder, self.controls)
-                scored.append((sum(t.success for t in harder_trials), -len(scored), plan, trajectory))
+                alive = sum(t.success for t in run_trials(trajectory, self.scenario, harder, self.controls))
+                scored.append((alive, -len(scored), plan, trajectory))
+                if alive == len(harder):
+                    break  # no way does better
         for alive, _, plan, trajectory in sorted(scored, key=lambda s: s[:2], reverse=True):
+            if plan.id == self.best.plan.id:
+                return
             verification = verify(trajectory, self.scenario, self._copies, self.controls)
             if verification.survived >= self.best.share:
                 self.best = _Best(verification.survived, plan, trajectory, verification)
@@ -190,7 +203,9 @@ class _Trying:
     def refused(self, first) -> ContactPlan:
         if self.best.plan is None:
             return first
-        reason = (f'no route survives: {self.tried} candidates tried, the best survives {self.best.share:.0%} of its copies '
+        nearest = (f'fewer than {self.request.accept:.0%} of its perturbed copies end at the goal'
+                   if self.best.verification.nominal.success else 'as told, it does not end at the goal')
+        reason = (f'no route survives: {self.tried} candidates tried; of the best one, {nearest} '
                   f'({"; ".join(self.best.verification.reasons()[:2])})')
         return replace(first, outcome=NOT_EXECUTABLE, reason=reason, path=(), legs=(), cost={})
 

@@ -1,13 +1,17 @@
 """Routes of dynamic moves: the same every time, from rest to rest, and honest about an end to the search."""
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from problems import ASYMMETRIC, SQUARE, TALL
 
+from wholearm_ros.errors import DocumentError
 from wholearm_ros.mechanics.moves import Move, Rest, simulate_move
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.plan import ContactPlan, LIMIT_REACHED
 from wholearm_ros.model.task import goal_rotation
 from wholearm_ros.planning.search import MoveRoutes, SearchOptions
+from wholearm_ros.trajectory.generate import generate
 
 OPTIONS = SearchOptions(move_limit=800)
 
@@ -42,6 +46,24 @@ def test_the_legs_are_moves_from_rest_to_rest_that_physics_makes(routes):
                 np.testing.assert_allclose(record.configurations[-1], leg.configurations[-1], atol=1e-9)
                 rest = record.rest()
         assert found.legs[-1].configurations[-1, 2] == pytest.approx(goal_rotation(found.scenario), abs=2e-4)
+
+
+def test_the_generator_makes_the_moves_again_as_they_were_found(routes):
+    """From where the hand really stood: a stiff velocity finger is not quite where it was told to be."""
+    for found in routes.values():
+        if not found.found:
+            continue
+        made = generate(found.scenario, found)
+        ends = [made.poses[round(s.end / made.period)] for s in made.segments if s.mode == 'dynamic']
+        moves = [leg.configurations[-1, :3] for leg in found.legs if leg.mode == 'dynamic']
+        np.testing.assert_allclose(ends, moves, atol=1e-9)
+
+
+def test_a_move_that_does_not_end_at_rest_fits_no_scenario(routes):
+    found = routes['asymmetric_hexagon']
+    hasty = replace(found.legs[0], action={**found.legs[0].action, 'settle': 0.0, 'speed': 20.0})
+    with pytest.raises(DocumentError, match='does not end at rest'):
+        generate(found.scenario, replace(found, legs=(hasty, *found.legs[1:])))
 
 
 def test_a_limit_of_moves_is_kept_and_reported():

@@ -5,7 +5,7 @@ with M constant in q = (x, y, φ, θ_L, θ_R), N the rows ∂gap/∂q of every p
 and S the regularised signs of sliding. Without friction the matrix N M⁻¹ Nᵀ is symmetric and the step dissipates.
 """
 import numpy as np
-from quantecon.optimize.lcp_lemke import lcp_lemke
+from numba.extending import overload
 
 from . import kernel
 from .geometry import contact_in, fill_row, frame_of, gap_table, pair_body, table_entry, table_size
@@ -18,6 +18,19 @@ SLIP_SPEED = 1e-3      # [m/s] sliding slower than this has less than full frict
 WATCH = 0.006          # [m] of motion for which the list of pairs that may come near is good
 DEEPEST = 0.005        # [m] a deeper penetration is no contact: the feature is beyond the object
 PUSHED_OUT = 0.25      # of a penetration, in one step
+
+
+def lemke(a, b):
+    """z ≥ 0 ⟂ a z + b ≥ 0 by Lemke's algorithm, a (k, k), b (k,). Its package takes a second to import, and is needed to
+    compile a kernel only: a process that finds all kernels compiled does without."""
+    from quantecon.optimize.lcp_lemke import lcp_lemke
+    return lcp_lemke(a, b).z
+
+
+@overload(lemke)
+def _compiled_lemke(a, b):
+    from quantecon.optimize.lcp_lemke import lcp_lemke
+    return lambda a, b: lcp_lemke(a, b).z
 
 
 @kernel
@@ -52,7 +65,7 @@ def solve_lcp(rows, pushes, b, guess, z):
     for i in range(k):
         for j in range(k):
             a[i, j] = _product(rows, i, pushes, j)
-    z[:] = lcp_lemke(a, b).z
+    z[:] = lemke(a, b)
     return lcp_residual(rows, pushes, b, z)
 
 
@@ -193,14 +206,15 @@ def step(obj, palm, fingers, corners, inertias, load, finger_moment, friction, e
 @kernel
 def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, torque_limits, friction, motor_gain,
                    delay_steps, kp, kd, h, period, angles, velocities, efforts, velocity_finger, settle_steps,
-                   q, v, every, record_q, record_v):
+                   q_kept, v_kept, every, record_q, record_v):
     """The closed loop: PD on the velocity-controlled finger, open-loop torque on the other, for the whole trajectory.
 
     angles, velocities, efforts: (m, 2) every `period` [s]; velocity_finger: (m,) of 0 or 1, for the
-    period from each sample on; motor_gain: (2,); delay_steps of actuation.
+    period from each sample on; motor_gain: (2,); delay_steps of actuation; q_kept, v_kept (5,): of the start, then of the end.
+    (They are worked on in arrays of this thread's own: small ones of two threads may share a cache line.)
     Records q and v every `every` steps into (r, 5) arrays. Returns (records, largest LCP residual).
     """
-    work = new_work(obj, palm, corners)
+    work, q, v = new_work(obj, palm, corners), q_kept.copy(), v_kept.copy()
     total = int(round(period * (angles.shape[0] - 1) / h)) + settle_steps
     pipe = np.zeros((delay_steps + 1, 2))
     torque, applied = np.empty(2), np.empty(2)
@@ -234,19 +248,21 @@ def run_trajectory(obj, palm, fingers, corners, inertias, load, finger_moment, t
     if count < record_q.shape[0]:
         record_q[count], record_v[count] = q, v
         count += 1
+    q_kept[:], v_kept[:] = q, v
     return count, worst
 
 
 @kernel
 def run_move(obj, palm, fingers, corners, inertias, load, finger_moment, torque_limits, side, turn, torque, efforts,
-             ramp_steps, turn_steps, settle_steps, kp, kd, h, every, q, v, record_q, record_v, record_efforts, record_angle):
+             ramp_steps, turn_steps, settle_steps, kp, kd, h, every, q_kept, v_kept, record_q, record_v, record_efforts,
+             record_angle):
     """One finger turns by `turn` [rad] from rest to rest under stiff PD while the other holds `torque` [N m].
 
-    efforts (2,): at the start, from which the torque finger's ramps to `torque`; q, v (5,) are updated in place.
+    efforts (2,): at the start, from which the torque finger's ramps to `torque`; q_kept, v_kept as for `run_trajectory`.
     Every `every` steps records q, v (r, 5), the efforts (r, 2) (the velocity finger's averaged) and its wanted angle (r,).
     Returns (records, largest LCP residual). Stops early when the object leaves the hand.
     """
-    work = new_work(obj, palm, corners)
+    work, q, v = new_work(obj, palm, corners), q_kept.copy(), v_kept.copy()
     first = q[3 + side]
     before = efforts[1 - side]
     feed = efforts[side]
@@ -272,4 +288,5 @@ def run_move(obj, palm, fingers, corners, inertias, load, finger_moment, torque_
             count += 1
         if abs(q[0]) > 0.2 or q[1] > 0.25 or q[1] < -0.02:
             break
+    q_kept[:], v_kept[:] = q, v
     return count, worst

@@ -1,6 +1,7 @@
 """Plans routes of contact states: the scenario as configured, or between two poses of its object."""
 import sys
 import threading
+import traceback
 from dataclasses import replace
 
 import numpy as np
@@ -44,6 +45,8 @@ class ContactStatePlanner(WholeArmNode):
         self.busy, self.planned = False, 0
         self.contact_plan = self.publisher(channels.CONTACT_PLAN)
         self.status = self.publisher(channels.PLANNER_STATUS)
+        self.tell(OK, 'loading the compiled kernels; the first time they are compiled, which takes a minute')
+        warm()  # before anybody can ask: no request pays for it
         self.service(channels.PLAN, self.on_plan)
         self.service(channels.PLAN_SCENARIO, self.on_plan_scenario)
         self.tell(OK, 'ready')
@@ -122,18 +125,15 @@ def _plan(scenario, request, done):
         result = offer(scenario, request)
     except WholeArmError as error:
         result = error
+    except Exception as error:  # a fault of ours: whoever asked is told, and may ask for something else
+        traceback.print_exc()
+        result = WholeArmError(f'the planner failed by a fault of its own: {error!r}')
     done.set_result(result)
-
-
-def make_node():
-    node = ContactStatePlanner()
-    warm()  # no request pays for compiling
-    return node
 
 
 def main():
     # EventsExecutor takes no coroutine as a service callback; this node has no fast topic.
-    sys.exit(run_node(make_node, make_executor=SingleThreadedExecutor))
+    sys.exit(run_node(ContactStatePlanner, make_executor=SingleThreadedExecutor))
 
 
 if __name__ == '__main__':

@@ -7,11 +7,14 @@ as the controllers would, end up in nearly the same place: what physics does not
 """
 import heapq
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 from typing import Callable
 
 import numpy as np
 
 from ..control.setpoints import ControlOptions
+from ..mechanics.at_once import at_once
 from ..mechanics.contacts import closed_pairs, four_contact_subsets, pair_name
 from ..mechanics.copies import build_copies, follow_setpoints
 from ..mechanics.moves import PERIOD, Move, MoveRecord, Rest, simulate_move
@@ -77,9 +80,9 @@ class MoveTree:
         """Place of a new state, or None when the best open stop came to nothing. Raises IndexError when none is open."""
         _, _, parent, move = heapq.heappop(self._queue)
         before = self.states[parent]
-        record = self._simulate(before.rest, move)
+        record, = self._simulate(before.rest, [move])
         if not record.at_rest and move.settle < LONG_SETTLE and not self._hopeless(record.configurations[-1]):
-            record = self._simulate(before.rest, replace(move, settle=LONG_SETTLE))
+            record, = self._simulate(before.rest, [replace(move, settle=LONG_SETTLE)])
         if not record.at_rest or self._hopeless(record.configurations[-1]):
             return None
         cell = self._cell(record.configurations[-1])
@@ -117,12 +120,10 @@ class MoveTree:
     def _sweep(self, k):
         """Open the stops that can be come to from state k."""
         state = self.states[k]
-        for side in (LEFT, RIGHT):
-            torques = self._torques(state.rest.q, 1 - side)
-            for way in (1.0, -1.0):
-                for torque in torques:
-                    sweep = Move(side, way * SWEEP, torque, self._style.speed, settle=0.0)
-                    self._open_stops(k, state, sweep, self._simulate(state.rest, sweep))
+        sweeps = [Move(side, way * SWEEP, torque, self._style.speed, settle=0.0) for side in (LEFT, RIGHT)
+                  for way, torque in product((1.0, -1.0), self._torques(state.rest.q, 1 - side))]
+        for sweep, record in zip(sweeps, self._simulate(state.rest, sweeps)):
+            self._open_stops(k, state, sweep, record)
         if self._left(state.rest.q) < THROW_WITHIN:
             self._open_throws(k, state)
 
@@ -143,14 +144,12 @@ class MoveTree:
 
     def _open_throws(self, k, state):
         """Quick moves after which the object comes to rest past the top: momentum carries it over what no torque holds."""
-        for side in (LEFT, RIGHT):
-            for turn in THROW_TURNS:
-                for torque in THROW_TORQUES:
-                    throw = Move(side, turn, torque, THROW_SPEED, LONG_SETTLE, THROW_SLEW)
-                    record = self._simulate(state.rest, throw)
-                    q = record.configurations[-1]
-                    if record.at_rest and self._left(q) < 0.0 and not self._hopeless(q):
-                        self._open(k, state, q, throw)
+        throws = [Move(side, turn, torque, THROW_SPEED, LONG_SETTLE, THROW_SLEW)
+                  for side, turn, torque in product((LEFT, RIGHT), THROW_TURNS, THROW_TORQUES)]
+        for throw, record in zip(throws, self._simulate(state.rest, throws)):
+            q = record.configurations[-1]
+            if record.at_rest and self._left(q) < 0.0 and not self._hopeless(q):
+                self._open(k, state, q, throw)
 
     def _open(self, k, state, q, move):
         self._order += 1
@@ -183,8 +182,10 @@ class MoveTree:
         angles, velocities, efforts = record.setpoints(before.rest)
         sides = np.full(len(angles), record.move.velocity_finger)
         after = []
-        for copy, (q, v) in zip(self._copies, before.copies):
-            run = follow_setpoints(copy, q, v, PERIOD, angles, velocities, efforts, sides, self._controls.gains)
+
+        def lead(copy, q, v):
+            return follow_setpoints(copy, q, v, PERIOD, angles, velocities, efforts, sides, self._controls.gains)
+        for copy, run in zip(self._copies, at_once(lambda k: lead(self._copies[k], *before.copies[k]), range(len(self._copies)))):
             self.simulated += 1
             turn = copy.goal_angle - self._copies[0].goal_angle
             difference = np.abs(run.q[:3] - record.configurations[-1, :3] - [0.0, 0.0, turn])
@@ -193,9 +194,10 @@ class MoveTree:
             after.append((run.q, run.v))
         return tuple(after)
 
-    def _simulate(self, rest, move):
-        self.simulated += 1
-        return simulate_move(self.task.world, rest, move)
+    def _simulate(self, rest, moves):
+        """The records of moves from rest."""
+        self.simulated += len(moves)
+        return list(at_once(partial(simulate_move, self.task.world, rest), moves))
 
     @staticmethod
     def _cell(q):

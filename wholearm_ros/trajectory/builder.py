@@ -18,7 +18,8 @@ class TrajectoryBuilder:
 
     def __init__(self, world: World, q: np.ndarray, options: ExecutionOptions):
         self.world, self.options, self.transitions = world, options, []
-        self._q = [np.asarray(q, float)[None]]
+        self._stands = np.asarray(q, float)
+        self._q = [self._stands[None]]
         self._efforts = [(world.finger_moment * np.cos(q[3:]))[None]]
         self._ranges = [np.full((1, 2), np.nan)]
         self._segments, self._count = [], 1
@@ -67,9 +68,11 @@ class TrajectoryBuilder:
                 self._close(mode, velocity_finger, piece.pairs, count)
 
     def extend_move(self, move: Move, pairs: tuple):
-        """Append a move from where the trajectory stands: its torque ramp as a dwell, the rest of it as dynamic."""
-        start = Rest(self._q[-1][-1], self._efforts[-1][-1])
+        """Append a move from where the hand stands: its torque ramp as a dwell, the rest of it as dynamic."""
+        start = Rest(self._stands, self._efforts[-1][-1])
         record = simulate_move(self.world, start, move)
+        if not record.at_rest:
+            raise ValueError(f'move {move.to_dict()} does not end at rest')
         if abs(self.options.period - PERIOD) > 1e-12:
             raise ValueError(f'period {self.options.period} s; dynamic legs are made for {PERIOD} s')
         q = record.configurations.copy()
@@ -80,6 +83,7 @@ class TrajectoryBuilder:
         self._close(DWELL, move.velocity_finger, pairs, ramp)
         self._append(q[ramp:], record.efforts[ramp:], none[ramp:])
         self._close(DYNAMIC, move.velocity_finger, pairs, len(q) - ramp)
+        self._stands = record.configurations[-1]  # a stiff finger is not quite where it was told to be
 
     def hold(self, seconds: float):
         """Stay where it is; the fingers keep their torques."""
@@ -102,6 +106,7 @@ class TrajectoryBuilder:
 
     def _append(self, q, efforts, ranges):
         self._q.append(q)
+        self._stands = q[-1]
         self._efforts.append(efforts)
         self._ranges.append(ranges)
         self._count += len(q)

@@ -1,18 +1,16 @@
 """Verification: a candidate trajectory run through our own forward dynamics, as told and in perturbed copies."""
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from typing import Iterator
 
 import numpy as np
 
 from ..control.setpoints import ControlOptions
+from ..mechanics.at_once import at_once
 from ..mechanics.copies import Copy, follow_setpoints
 from ..model.scenario import GoalAtPose, Scenario
 from ..model.trajectory import ManipulationTrajectory
 
-PROCESSORS = os.cpu_count() or 1
 SETTLE = 0.3           # [s] of holding after the trajectory's end
 ANGLE_TOLERANCE = 0.02  # [rad] from the goal's rotation; less than a run is allowed
 MOST_BEYOND = 0.15     # [rad] past the goal on the way: an object that comes down faster may go on to the next edge
@@ -65,14 +63,9 @@ def verify(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple
 def run_trials(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple,
                controls: ControlOptions) -> Iterator[Trial]:
     """The trials in the order of their copies, after the first as many at once as there are processors."""
-    for k in (0, *range(1, len(copies), PROCESSORS)):
-        yield from _threads().map(partial(run_trial, trajectory, scenario, controls=controls),
-                                  copies[k:k + PROCESSORS if k else 1])
-
-
-@cache
-def _threads():
-    return ThreadPoolExecutor(PROCESSORS, 'verification')
+    work = partial(run_trial, trajectory, scenario, controls=controls)
+    yield from map(work, copies[:1])
+    yield from at_once(work, copies[1:])
 
 
 def run_trial(trajectory: ManipulationTrajectory, scenario: Scenario, copy: Copy, controls: ControlOptions) -> Trial:
