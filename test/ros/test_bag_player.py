@@ -1,10 +1,12 @@
 """The bag player: what was recorded, byte for byte, from where, how fast and which topics it is told."""
+import tempfile
 import time
 from pathlib import Path
 
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from wholearm_ros.errors import BagError
 from wholearm_ros.ros import channels
 from wholearm_ros.ros.bag_reader import Bag
 from wholearm_ros.ros.messages import NANOSECONDS, to_nanoseconds
@@ -49,12 +51,36 @@ def test_it_ends_by_itself_and_says_how_much_it_played(graph):
     assert 'played 1 messages' in graph.processes.log_of('bag_player').read_text()
 
 
-def test_a_bag_that_was_cut_off_is_refused_with_a_reason(tmp_path):
-    from wholearm_ros.errors import BagError
-    cut = tmp_path / 'bag'
-    cut.mkdir()
-    for file in BAG.iterdir():
-        data = file.read_bytes()
-        (cut / file.name).write_bytes(data[:len(data) // 2] if file.suffix == '.mcap' else data)
+@pytest.mark.parametrize('share', [0.1, 0.5, 0.9, 0.999])
+def test_a_bag_that_was_cut_off_opens_up_to_the_cut(tmp_path, share):
+    with Bag(BAG) as whole:
+        recorded = [(c.topic, at, bytes(data)) for c, at, data in whole.raw()]
+    cut = _cut_copy(tmp_path, lambda data: data[:int(share * len(data))])
+    with Bag(cut) as bag:
+        found = [(c.topic, at, bytes(data)) for c, at, data in bag.raw()]
+        assert bag.cut == [f'{BAG.name}.mcap']
+    assert found == recorded[:len(found)]
+    assert (share - 0.15) * len(recorded) <= len(found)
+    assert not list(Path(tempfile.gettempdir()).glob('wholearm_bag_*')), 'the mended copy is gone'
+
+
+def test_a_cut_off_bag_is_played_up_to_the_cut(graph, tmp_path):
+    cut = _cut_copy(tmp_path, lambda data: data[:len(data) // 2])
+    graph.processes.start('bag_player', {'path': str(cut), 'rate': 1000.0})
+    assert graph.processes._running['bag_player'].wait(timeout=60) == 0
+    said = graph.processes.log_of('bag_player').read_text()
+    assert 'was cut off; played up to its last whole record' in said and 'played 0 messages' not in said
+
+
+def test_bytes_that_are_no_bag_are_refused_with_a_reason(tmp_path):
     with pytest.raises(BagError, match='cannot be read as a bag'):
-        Bag(cut).__enter__()
+        Bag(_cut_copy(tmp_path, lambda data: bytes(len(data)))).__enter__()
+
+
+def _cut_copy(directory, cut):
+    """The reference bag with `cut` done to the bytes of its messages."""
+    copy = directory / 'bag'
+    copy.mkdir()
+    for file in BAG.iterdir():
+        (copy / file.name).write_bytes(cut(file.read_bytes()) if file.suffix == '.mcap' else file.read_bytes())
+    return copy

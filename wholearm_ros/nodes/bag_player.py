@@ -37,6 +37,8 @@ class BagPlayer(WholeArmNode):
         super().__init__('bag_player', DECLARED)
         p, self.played, self.done, self.leaving = self.parameters, 0, False, False
         self.bag = Bag(Path(p.path)).__enter__()
+        if self.bag.cut:
+            self.get_logger().warning(f'{", ".join(self.bag.cut)} was cut off; played up to its last whole record')
         ends = [t for t in p.topics if t]
         self.connections = [c for c in self.bag.connections
                             if not ends or any(c.topic == e or c.topic.endswith('/' + e) for e in ends)]

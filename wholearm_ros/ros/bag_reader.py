@@ -1,4 +1,5 @@
-"""Reading a bag of a run: messages by topic, whatever its namespace; a bag that was cut off is told from a whole one."""
+"""Reading a bag of a run: messages by topic, whatever its namespace; one that was cut off is read up to the cut."""
+import tempfile
 from pathlib import Path
 from typing import Iterator, List, Tuple
 
@@ -7,31 +8,40 @@ from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 
 from ..errors import BagError
+from .bag_mending import cut_files, mended_copy
 from .bag_types import jazzy_typestore
 from .messages import NANOSECONDS
 
 
 class Bag:
-    """A context around an open bag; raises BagError when it cannot be read."""
+    """A context around an open bag; raises BagError when it cannot be read. cut: names of files whose end is missing."""
 
     def __init__(self, path: Path):
         self.path, self.store = Path(path), jazzy_typestore()
         if not self.path.exists():
             raise BagError(f'{path}: no such bag; allowed: the directory of a rosbag2 bag')
-        try:
-            self._reader = AnyReader([self.path], default_typestore=self.store)
-        except (AnyReaderError, OSError) as error:
-            raise BagError(f'{path}: cannot be read as a bag: {error}') from error
+        self.cut, self._mended = [file.name for file in cut_files(self.path)], None
 
     def __enter__(self):
+        path = self.path
+        if self.cut:
+            self._mended = tempfile.TemporaryDirectory(prefix='wholearm_bag_')
+            path = mended_copy(path, Path(self._mended.name))
         try:
+            self._reader = AnyReader([path], default_typestore=self.store)
             self._reader.open()
-        except (AnyReaderError, OSError, ValueError, KeyError) as error:
+        except (AnyReaderError, OSError, ValueError, KeyError, AssertionError) as error:
+            self._clean()
             raise BagError(f'{self.path}: cannot be read as a bag: {error}') from error
         return self
 
     def __exit__(self, *_):
         self._reader.close()
+        self._clean()
+
+    def _clean(self):
+        if self._mended:
+            self._mended.cleanup()
 
     @property
     def connections(self) -> List[Connection]:
