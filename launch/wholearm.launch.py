@@ -7,7 +7,7 @@ from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandle
 from launch.conditions import LaunchConfigurationNotEquals
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
-from launch.substitutions import LaunchConfiguration
+from launch.substitutions import LaunchConfiguration, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
@@ -19,6 +19,9 @@ ARGUMENTS = (
     ('backend', 'pybullet', 'pybullet or planar'),
     ('view', 'false', "PyBullet's window"),
     ('seed', '0', 'of everything drawn at random in planning'),
+    ('search', 'best', 'best or random'),
+    ('transition', 'auto', 'how torque ranges that do not overlap are crossed: auto, dwell or dynamic'),
+    ('priority', '20', 'of the loop in real time, where the machine allows it; 0: none'),
     ('record', '', 'directory of a bag to record into; empty: none'),
     ('storage', 'mcap', 'format of the bag: mcap or sqlite3'),
 )
@@ -37,15 +40,19 @@ def generate_launch_description():
 
     scenario, pacing = {'scenario': text('scenario')}, {'pacing': text('pacing')}
     rate = {'motor_rate': number('rate', float)}
+    real_time = PythonExpression(["int('", LaunchConfiguration('priority'), "') if '", LaunchConfiguration('pacing'),
+                                  "' == 'realtime' else 0"])
+    loop = {'priority': ParameterValue(real_time, value_type=int)}
     nodes = [
-        node('hand_hardware', {**scenario, **pacing, **rate, 'backend': text('backend'), 'view': number('view', bool)}),
-        node('mode_switcher', pacing),
-        node('velocity_controller', scenario),
-        node('torque_controller', {**scenario, **rate}),
+        node('hand_hardware', {**scenario, **pacing, **loop, **rate, 'backend': text('backend'), 'view': number('view', bool)}),
+        node('mode_switcher', {**pacing, **loop}),
+        node('velocity_controller', {**scenario, **loop}),
+        node('torque_controller', {**scenario, **loop, **rate}),
         node('trajectory_generator', {}),
-        node('contact_state_planner', {**scenario, 'seed': number('seed', int)}),
+        node('contact_state_planner', {**scenario, 'seed': number('seed', int), 'search': text('search'),
+                                       'transition': text('transition')}),
     ]
-    recorder = node('bag_recorder', {'path': text('record'), 'storage': text('storage')},
+    recorder = node('bag_recorder', {'path': text('record'), 'storage': text('storage'), **loop},
                     condition=LaunchConfigurationNotEquals('record', ''))
     # A graph with a node missing is of no use: all end with the first one that does.
     watch = [RegisterEventHandler(OnProcessExit(target_action=n, on_exit=[EmitEvent(event=Shutdown(
