@@ -13,6 +13,7 @@ import numpy as np
 
 from .control.setpoints import ControlOptions
 from .errors import DocumentError
+from .mechanics.at_once import at_once
 from .mechanics.copies import build_copies
 from .model.plan import NOT_EXECUTABLE, ContactPlan
 from .model.scenario import Scenario
@@ -21,7 +22,7 @@ from .planning.move_search import STYLES
 from .planning.search import BEST, MoveRoutes, SearchOptions, make_routes
 from .trajectory.generate import generate
 from .trajectory.options import AUTO, FRONT, REAR, ExecutionOptions
-from .trajectory.verify import Verification, run_trials, verify
+from .trajectory.verify import Verification, run_trial, run_trials, verify
 
 CAGES = ((FRONT, 0.1), (REAR, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
 
@@ -181,8 +182,10 @@ class _Trying:
             scored = []
             for options in ways:
                 plan = self.best.plan.with_execution(options.to_dict())
-                trajectory = generate(self.scenario, plan, options)
-                alive = sum(t.success for t in run_trials(trajectory, self.scenario, harder, self.controls))
+                known = plan.id == self.best.plan.id
+                trajectory = self.best.trajectory if known else generate(self.scenario, plan, options)
+                trials = at_once(partial(run_trial, trajectory, self.scenario, controls=self.controls), harder)
+                alive = sum(t.success for t in trials)
                 scored.append((alive, -len(scored), plan, trajectory))
                 if alive == len(harder):
                     break  # no way does better
