@@ -85,7 +85,7 @@ class ContactStatePlanner(WholeArmNode):
         try:
             scenario = make_scenario()
             self.tell(OK, f'planning {scenario.name}')
-            threading.Thread(target=_plan, args=(scenario, self.request(), done), daemon=True).start()
+            threading.Thread(target=self.plan, args=(scenario, self.request(), done), daemon=True).start()
             result = await done
             if isinstance(result, WholeArmError):
                 raise result
@@ -95,6 +95,18 @@ class ContactStatePlanner(WholeArmNode):
         finally:
             self.busy = False
         return self.publish(result)
+
+    def plan(self, scenario, request, done):
+        """Of the thread: what `done` becomes, an Offer or an error."""
+        try:
+            result = offer(scenario, request)
+        except WholeArmError as error:
+            result = error
+        except Exception as error:  # a fault of ours: whoever asked is told, and may ask for something else
+            traceback.print_exc()
+            result = WholeArmError(f'the planner failed by a fault of its own: {error!r}')
+        done.set_result(result)
+        self.executor.wake()  # it looks at who awaits only when something else happens
 
     def publish(self, result):
         plan, found = result.plan, result.trajectory is not None
@@ -118,17 +130,6 @@ class ContactStatePlanner(WholeArmNode):
 
     def health(self):
         return OK, 'planning' if self.busy else 'ready', {'plans': self.planned}
-
-
-def _plan(scenario, request, done):
-    try:
-        result = offer(scenario, request)
-    except WholeArmError as error:
-        result = error
-    except Exception as error:  # a fault of ours: whoever asked is told, and may ask for something else
-        traceback.print_exc()
-        result = WholeArmError(f'the planner failed by a fault of its own: {error!r}')
-    done.set_result(result)
 
 
 def main():
