@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import Finger, Hand, Palm
 from wholearm_ros.model.polygon import Polygon
-from wholearm_ros.model.scenario import CCW, GoalOnEdge, Gravity, ManipulatedObject, Scenario, StartOnEdge
+from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Gravity, ManipulatedObject, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 
 CONFIG = Path(__file__).parents[1] / 'config'
@@ -35,6 +35,8 @@ QUADRILATERAL = task([[0.0, 0.0], [0.07, 0.0], [0.08, 0.06], [0.01, 0.07]], 0, 3
 PENTAGON = task(_ring(5, 0.055), 0, 4, x=-0.02, name='pentagon')
 TALL = task([[0.0, 0.0], [0.05, 0.0], [0.055, 0.11], [-0.005, 0.11]], 0, 3, x=-0.02, name='tall')
 HEPTAGON = task(_ring(7, 0.055), 0, 6, x=-0.02, name='heptagon')
+LEANING = replace(task([[0.0, 0.0], [0.052, 0.074], [0.003, 0.127], [-0.079, 0.088], [-0.051, 0.028]], 0, 1, x=0.03, mass=0.365,
+                       name='leaning'), goal=GoalOnEdge(1, CW))
 FLAT_PALMS = {s.name: s for s in (ASYMMETRIC, REGULAR, SQUARE, QUADRILATERAL, PENTAGON, TALL, HEPTAGON)}
 
 # A palm that bulges: three edges, four vertices, of which all can touch an edge of the object.
