@@ -28,18 +28,18 @@ def crossing_edges(vertices: np.ndarray):
     return None
 
 
-def separation(a: np.ndarray, b: np.ndarray) -> float:
-    """[m] of two convex, counter-clockwise polygons (n, 2), (m, 2): positive when apart (then at most their distance),
+def separation(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """[m] of two convex, counter-clockwise polygons (..., n, 2), (..., m, 2): positive when apart (then at most their distance),
     negative when they overlap (then minus the depth of penetration). The separating axis theorem."""
-    return max(_apart(a, b), _apart(b, a))
+    return np.maximum(_apart(a, b), _apart(b, a))
 
 
-def rectangle(axis: np.ndarray, angle: float, length: float, half_width: float) -> np.ndarray:
-    """(4, 2) [m] counter-clockwise: from `axis` along `angle` [rad]."""
-    along = np.array([np.cos(angle), np.sin(angle)])
-    across = half_width * np.array([-along[1], along[0]])
+def rectangle(axis: np.ndarray, angle: np.ndarray, length: float, half_width: float) -> np.ndarray:
+    """(..., 4, 2) [m] counter-clockwise: from `axis` along `angle` (...) [rad]."""
+    along = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    across = half_width * np.stack([-along[..., 1], along[..., 0]], axis=-1)
     tip = axis + length * along
-    return np.array([axis - across, tip - across, tip + across, axis + across])
+    return np.stack([axis - across, tip - across, tip + across, axis + across], axis=-2)
 
 
 def turned(vertices: np.ndarray, pose: np.ndarray) -> np.ndarray:
@@ -48,12 +48,12 @@ def turned(vertices: np.ndarray, pose: np.ndarray) -> np.ndarray:
     return vertices @ np.array([[c, s], [-s, c]]) + pose[:2]
 
 
-def _apart(a: np.ndarray, b: np.ndarray) -> float:
+def _apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Largest distance of b from a line through an edge of a, outwards."""
-    edges = np.roll(a, -1, axis=0) - a
-    outward = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
-    heights = outward @ b.T - (outward * a).sum(axis=1)[:, None]
-    return float(heights.min(axis=1).max())
+    edges = np.roll(a, -1, axis=-2) - a
+    outward = np.stack([edges[..., 1], -edges[..., 0]], axis=-1) / np.linalg.norm(edges, axis=-1)[..., None]
+    heights = outward @ np.swapaxes(b, -1, -2) - (outward * a).sum(axis=-1)[..., None]
+    return heights.min(axis=-1).max(axis=-1)
 
 
 def _side(p, q, r) -> float:

@@ -146,7 +146,7 @@ def _depth_of(point: np.ndarray, polygon: np.ndarray) -> float:
     return float((inward * (point - polygon)).sum(axis=1).min())
 
 
-def _finger_separation(scenario: Scenario, pose: np.ndarray, side: int, angle: float) -> float:
+def _finger_separation(scenario: Scenario, pose: np.ndarray, side: int, angle: np.ndarray) -> np.ndarray:
     finger = scenario.hand[side]
     corners = turned(scenario.object.polygon.vertices_about_centroid, pose)
     return separation(corners, rectangle(finger.axis, angle, finger.length, finger.half_width))
@@ -167,16 +167,11 @@ def _reach_problem(scenario: Scenario, pose: np.ndarray, side: int):
     """A finger, swept closed from its open limit, must start clear of the object and meet it."""
     low, high = scenario.hand[side].angle_limits
     opened, shut = (high, low) if side == LEFT else (low, high)
-    nearest = np.inf
-    for angle in np.linspace(opened, shut, SWEEP):
-        gap = _finger_separation(scenario, pose, side, angle)
-        if gap <= 0.0:
-            break
-        nearest = min(nearest, gap)
-    else:
+    gaps = _finger_separation(scenario, pose, side, np.linspace(opened, shut, SWEEP))
+    if gaps.min() > 0.0:
         return (f'hand.{SIDES[side]}: got a finger that cannot touch the object at the start (nearest '
-                f'{1e3 * nearest:.1f} mm, between {low} and {high} rad); allowed: an object within its reach')
-    if angle == opened:
+                f'{1e3 * gaps.min():.1f} mm, between {low} and {high} rad); allowed: an object within its reach')
+    if gaps[0] <= 0.0:
         return (f'hand.{SIDES[side]}: got a finger that meets the object even when open ({opened} rad); '
                 'allowed: an object that lies between the open fingers')
     return None

@@ -83,7 +83,8 @@ class BestRoutes(_Routes):
             if edge.end is not None:
                 path.append(network.nodes[edge.end].number)
         whole = 'exhausted' if self.graph.exhausted else 'not exhausted, what is left of it is narrower'
-        reason = f'widest torque margin {margin:.3f} N m, cost {cost:.2f}, best on the graph ({whole})'
+        width = f'widest torque margin {margin:.3f} N m' if margin > 0.0 else 'no torque margin where it is narrowest'
+        reason = f'{width}, cost {cost:.2f}, best on the graph ({whole})'
         return self._plan(FOUND, reason, network, counts, tuple(path), tuple(legs), {'margin': margin, 'total': cost})
 
     def _edge_of_leg(self, leg):
