@@ -6,6 +6,7 @@ import numpy as np
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.typesys import Stores, get_typestore
 
+from ..bag_mending import opened_whole
 from ..control.mode_switch import DONE, STOPPED
 from ..control.setpoints import ControlOptions
 from ..errors import BagError
@@ -48,12 +49,12 @@ def _messages(path: Path) -> Dict[str, Messages]:
     directory = path.parent if path.suffix in ('.mcap', '.db3') else path
     heard = {topic: [] for topic in READ}
     try:
-        with AnyReader([directory], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
+        with opened_whole(directory) as whole, AnyReader([whole], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
             topics = {c.topic: topic for topic in READ for c in bag.connections if c.topic.endswith('/' + topic)}
             wanted = [c for c in bag.connections if c.topic in topics]
             for connection, when, data in bag.messages(wanted) if wanted else ():
                 heard[topics[connection.topic]].append((when, bag.deserialize(data, connection.msgtype)))
-    except (AnyReaderError, OSError, ValueError, KeyError) as error:
+    except (AnyReaderError, OSError, ValueError, KeyError, AssertionError) as error:
         raise BagError(f'{path}: cannot be read as a bag: {error}') from error
     return heard
 

@@ -1,5 +1,5 @@
 """Reading a bag of a run: messages by topic, whatever its namespace; one that was cut off is read up to the cut."""
-import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Iterator, List, Tuple
 
@@ -7,8 +7,8 @@ import numpy as np
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 
+from ..bag_mending import cut_files, opened_whole
 from ..errors import BagError
-from .bag_mending import cut_files, mended_copy
 from .bag_types import jazzy_typestore
 from .messages import NANOSECONDS
 
@@ -20,28 +20,19 @@ class Bag:
         self.path, self.store = Path(path), jazzy_typestore()
         if not self.path.exists():
             raise BagError(f'{path}: no such bag; allowed: the directory of a rosbag2 bag')
-        self.cut, self._mended = [file.name for file in cut_files(self.path)], None
+        self.cut, self._open = [file.name for file in cut_files(self.path)], ExitStack()
 
     def __enter__(self):
-        path = self.path
-        if self.cut:
-            self._mended = tempfile.TemporaryDirectory(prefix='wholearm_bag_')
-            path = mended_copy(path, Path(self._mended.name))
         try:
-            self._reader = AnyReader([path], default_typestore=self.store)
-            self._reader.open()
+            path = self._open.enter_context(opened_whole(self.path))
+            self._reader = self._open.enter_context(AnyReader([path], default_typestore=self.store))
         except (AnyReaderError, OSError, ValueError, KeyError, AssertionError) as error:
-            self._clean()
+            self._open.close()
             raise BagError(f'{self.path}: cannot be read as a bag: {error}') from error
         return self
 
     def __exit__(self, *_):
-        self._reader.close()
-        self._clean()
-
-    def _clean(self):
-        if self._mended:
-            self._mended.cleanup()
+        self._open.close()
 
     @property
     def connections(self) -> List[Connection]:

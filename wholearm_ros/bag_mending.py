@@ -1,9 +1,11 @@
 """MCAP files that were cut off in the middle: the records that are whole, with an end put behind them.
 
-A killed recorder leaves a complete file (bag_writer.py); a full disk of somebody else's, or half a copy, does not.
+A killed recorder leaves a complete file (ros/bag_writer.py); a full disk of somebody else's, or half a copy, does not.
 """
 import shutil
 import struct
+import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 MAGIC = b'\x89MCAP0\r\n'
@@ -16,16 +18,21 @@ def cut_files(bag: Path) -> list:
     return [path for path in sorted(bag.glob('*.mcap')) if _is_cut(path)]
 
 
-def mended_copy(bag: Path, into: Path) -> Path:
-    """A copy of the bag inside the directory `into`, its cut files ending with their last whole record."""
-    copied = into / bag.name
-    shutil.copytree(bag, copied)
-    for path in cut_files(copied):
-        with open(path, 'r+b') as file:
-            file.truncate(_end_of_whole_records(file))
-            file.seek(0, 2)
-            file.write(FOOTER)
-    return copied
+@contextmanager
+def opened_whole(bag: Path):
+    """The path of the bag, or of a copy for as long as the context lasts, in which cut files end with their last whole record."""
+    if not cut_files(bag):
+        yield bag
+        return
+    with tempfile.TemporaryDirectory(prefix='wholearm_bag_') as scratch:
+        copied = Path(scratch) / bag.name
+        shutil.copytree(bag, copied)
+        for path in cut_files(copied):
+            with open(path, 'r+b') as file:
+                file.truncate(_end_of_whole_records(file))
+                file.seek(0, 2)
+                file.write(FOOTER)
+        yield copied
 
 
 def _is_cut(path):
