@@ -48,7 +48,7 @@ class Request:
     copies: int = 12
     level: float = 1.4
     good: float = 0.8
-    accept: float = 0.6
+    accept: float = 0.65
     candidates: int = 100
     moves: int = SearchOptions.move_limit
     time_budget: float = 180.0
