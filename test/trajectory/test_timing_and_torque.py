@@ -5,10 +5,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from wholearm_ros.kernels.slew import held_within, slew_limited
 from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.trajectory.options import ExecutionOptions
 from wholearm_ros.trajectory.timing import PEAK_ACCELERATION, PEAK_SPEED, SHORTEST, quintic, stroke_duration
-from wholearm_ros.trajectory.torque import quasi_static_torque, slew_limited
+from wholearm_ros.trajectory.torque import quasi_static_torque
 
 U = np.linspace(0.0, 1.0, 20_001)
 TORQUES = arrays(float, st.integers(1, 40), elements=st.floats(-7.0, 7.0))
@@ -46,6 +47,16 @@ def test_a_stroke_takes_the_least_time_that_keeps_every_coordinate_within_its_li
 def test_a_slew_limited_torque_never_steps_further_than_it_may(torque, start, step):
     out = slew_limited(torque, start, step)
     assert np.abs(np.diff(np.concatenate([[start], out]))).max() <= step + 1e-12
+
+
+@settings(max_examples=50)
+@given(TORQUES, st.floats(0.01, 2.0), st.integers(0, 2 ** 32 - 1))
+def test_a_torque_is_held_inside_a_range_that_moves_slowly_and_stays_slew_limited(torque, step, seed):
+    slow = np.cumsum(np.random.default_rng(seed).uniform(-0.4, 0.4, (2, len(torque))) * step, axis=1)
+    low, high = slow.min(axis=0) - step, slow.max(axis=0) + step
+    out = held_within(slew_limited(torque, torque[0], step), low, high, step)
+    assert (low - 1e-12 <= out).all() and (out <= high + 1e-12).all()
+    assert np.abs(np.diff(out)).max(initial=0.0) <= step + 1e-12
 
 
 @settings(max_examples=50)

@@ -45,7 +45,8 @@ def build_copies(scenario: Scenario, count: int, level: float, seed: int) -> tup
 
 def _copy(scenario, perturbation):
     truth = perturbation.applied(scenario)
-    return Copy(build_world(truth), settled_start(scenario, truth), goal_rotation(truth), perturbation)
+    world = build_world(truth)
+    return Copy(world, settled_start(scenario, truth, world), goal_rotation(truth), perturbation)
 
 
 def follow_setpoints(copy: Copy, q: np.ndarray, v: np.ndarray, period: float, angles: np.ndarray, velocities: np.ndarray,

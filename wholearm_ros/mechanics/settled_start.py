@@ -5,21 +5,22 @@ from ..model.hand import LEFT, RIGHT
 from ..model.scenario import Scenario, StartAtPose
 from ..model.task import palm_segment_under
 from .contacts import close_finger, pose_on_palm, start_configuration
-from .world import build_world
+from .world import World, build_world
 
 TOUCHING = 1e-3        # [m] an object told to be nearer to the palm than this is meant to lie on it
 TOUCHING_ANGLE = 0.01  # [rad] a finger told to be nearer to touching than this is meant to touch
 
 
-def settled_start(told: Scenario, truth: Scenario) -> np.ndarray:
+def settled_start(told: Scenario, truth: Scenario, true_world: World = None) -> np.ndarray:
     """q (5,): centroid x, y [m], rotation [rad], finger angles [rad] at the start of the true scenario.
 
     What lies on the palm lies on it in truth, and a finger that touches touches in truth; nothing penetrates.
     """
+    true_world = true_world or build_world(truth)
     if not isinstance(truth.start, StartAtPose):
-        return start_configuration(truth)
+        return start_configuration(truth, true_world)
     q = start_configuration(told).copy()
-    told_world, true_world = build_world(told), build_world(truth)
+    told_world = build_world(told)
     segment = palm_segment_under(truth.palm, q[0])
     told_y, true_y = (pose_on_palm(w, q[0], q[2], segment)[1] for w in (told_world, true_world))
     told_pose = q[:3].copy()

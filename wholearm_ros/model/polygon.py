@@ -1,5 +1,6 @@
 """A convex polygon: vertices, area, centroid, inertia."""
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -28,11 +29,11 @@ class Polygon:
         """[m²]"""
         return 0.5 * float(_cross_with_next(self.vertices).sum())
 
-    @property
+    @cached_property
     def centroid(self) -> np.ndarray:
         """(2,) [m]"""
         v, cross = self.vertices, _cross_with_next(self.vertices)
-        return ((v + np.roll(v, -1, axis=0)) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum())
+        return readonly(((v + np.roll(v, -1, axis=0)) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()), (2,))
 
     @property
     def vertices_about_centroid(self) -> np.ndarray:

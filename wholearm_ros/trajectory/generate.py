@@ -2,6 +2,7 @@
 import numpy as np
 
 from ..errors import DocumentError
+from ..kernels.slew import slew_limited
 from ..mechanics.contacts import contact_rows, pair_exists, pair_from_name
 from ..mechanics.mirror import mirror_plan, mirror_trajectory
 from ..mechanics.world import build_world
@@ -14,7 +15,7 @@ from .builder import TrajectoryBuilder
 from .options import ExecutionOptions
 from .strokes import follow, pieces_of
 from .timing import quintic, stroke_duration
-from .torque import dynamic_torque, quasi_static_torque, slew_limited
+from .torque import dynamic_torque, quasi_static_torque
 from .transitions import check_dyn, check_transition
 
 FINAL_HOLD = 0.3  # [s] at the goal, before the trajectory ends

@@ -1,6 +1,7 @@
 """GET_TORQUE: the torque of the torque-controlled finger, inside its range and never faster than its slew limit (III-B.6)."""
 import numpy as np
 
+from ..kernels.slew import held_within, slew_limited
 from ..model.hand import CLOSING
 from .options import ExecutionOptions
 
@@ -26,21 +27,7 @@ def quasi_static_torque(statics: np.ndarray, torque_finger: int, options: Execut
         for values in (torque, low, high):
             values[none] = np.interp(places[none], places[~none], values[~none])
     step = options.slew * options.period
-    return sign * np.clip(_within(slew_limited(torque, torque[0], step), low, high, step), -limit, limit)
-
-
-def _within(torque, low, high, step):
-    """The slew-limited torque held inside a range, by bounds that are slew-limited themselves; the range's middle where
-    it moves faster than that."""
-    for bound, better in ((low := low.copy(), max), (high := high.copy(), min)):
-        change = step if better is min else -step
-        for i in range(len(bound) - 2, -1, -1):
-            bound[i] = better(bound[i], bound[i + 1] + change)
-        for i in range(1, len(bound)):
-            bound[i] = better(bound[i], bound[i - 1] + change)
-    apart = low > high
-    low[apart] = high[apart] = 0.5 * (low + high)[apart]
-    return np.clip(torque, low, high)
+    return sign * np.clip(held_within(slew_limited(torque, torque[0], step), low, high, step), -limit, limit)
 
 
 def dynamic_torque(transition, torque_finger: int, options: ExecutionOptions, limit: float) -> float:
@@ -55,16 +42,3 @@ def dynamic_torque(transition, torque_finger: int, options: ExecutionOptions, li
 
 def _pressing(low, high, sign):
     return (low, high) if sign > 0 else (-high, -low)
-
-
-def slew_limited(torque: np.ndarray, start: float, step: float) -> np.ndarray:
-    """The torque (k,) with no more than `step` [N m] from one sample to the next and from `start` to the first.
-
-    Rises and falls begin early enough to arrive in time, as the future is known: a backward and a forward pass.
-    """
-    out = np.concatenate([[start], torque])
-    for i in range(len(out) - 2, 0, -1):
-        out[i] = min(max(out[i], out[i + 1] - step), out[i + 1] + step)
-    for i in range(1, len(out)):
-        out[i] = min(max(out[i], out[i - 1] - step), out[i - 1] + step)
-    return out[1:]
