@@ -13,6 +13,7 @@ from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 
 from ros_loop import LOOP, Bench, loop_figures, show_loop
+from wholearm_ros.ros.client import GraphError
 from wholearm_ros.ros.node import run_node
 from wholearm_ros.ros.processes import Processes
 
@@ -46,7 +47,11 @@ def main():
         for rate in options.rates:
             print(f'{Under.executor}, {rate:.0f} Hz', flush=True)
             with tempfile.TemporaryDirectory() as scratch:
-                bench = Bench(Path(scratch), rate, Under)
+                try:
+                    bench = Bench(Path(scratch), rate, Under)
+                except GraphError as error:
+                    print(f'  the graph does not come up: {error}', flush=True)
+                    continue
                 try:
                     show_loop(loop_figures(bench, options.seconds))
                 finally:

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from wholearm_ros.ros import channels
-from wholearm_ros.ros.client import Client
+from wholearm_ros.ros.client import Client, GraphError
 from wholearm_ros.ros.joint_wire import NANOSECONDS, read_joints
 from wholearm_ros.ros.launcher import LOOP_PRIORITY
 from wholearm_ros.ros.messages import to_nanoseconds, values_of
@@ -40,9 +40,13 @@ class Bench:
         node.create_subscription(channels.MODE.type, channels.MODE.name,
                                  lambda m: self.modes.append((time.monotonic(), m.data)), channels.MODE.qos)
         _observe_first()
-        self.client.wait_for_graph(WAIT)
-        assert self.client.call(channels.PLAN_SCENARIO, WAIT).success
-        self.client.wait(lambda: self.client.heard.plan, WAIT, 'plan')
+        try:
+            self.client.wait_for_graph(WAIT)
+            assert self.client.call(channels.PLAN_SCENARIO, WAIT).success
+            self.client.wait(lambda: self.client.heard.plan, WAIT, 'plan')
+        except GraphError:
+            self.close()
+            raise
 
     def _hear(self, message):
         for status in message.status:

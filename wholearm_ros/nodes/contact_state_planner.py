@@ -87,26 +87,28 @@ class ContactStatePlanner(WholeArmNode):
             self.tell(OK, f'planning {scenario.name}')
             threading.Thread(target=self.plan, args=(scenario, self.request(), done), daemon=True).start()
             result = await done
-            if isinstance(result, WholeArmError):
+            if isinstance(result, Exception):
                 raise result
         except WholeArmError as error:
-            self.tell(WARN, str(error))
-            return False, str(error), None
+            return self.refused(str(error))
+        except Exception as error:  # a fault of ours: whoever asked is told, and may ask for something else
+            traceback.print_exception(error)
+            return self.refused(f'the planner failed by a fault of its own: {error!r}')
         finally:
             self.busy = False
         return self.publish(result)
 
     def plan(self, scenario, request, done):
-        """Of the thread: what `done` becomes, an Offer or an error."""
+        """Of the thread: `done` becomes an Offer or an exception."""
         try:
-            result = offer(scenario, request)
-        except WholeArmError as error:
-            result = error
-        except Exception as error:  # a fault of ours: whoever asked is told, and may ask for something else
-            traceback.print_exc()
-            result = WholeArmError(f'the planner failed by a fault of its own: {error!r}')
-        done.set_result(result)
+            done.set_result(offer(scenario, request))
+        except Exception as error:
+            done.set_result(error)
         self.executor.wake()  # it looks at who awaits only when something else happens
+
+    def refused(self, reason: str):
+        self.tell(WARN, reason)
+        return False, reason, None
 
     def publish(self, result):
         plan, found = result.plan, result.trajectory is not None

@@ -99,8 +99,7 @@ def to_planar(message: PoseStamped, field: str) -> np.ndarray:
     p, q = message.pose.position, message.pose.orientation
     if not all(map(math.isfinite, (p.x, p.y, p.z, q.x, q.y, q.z, q.w))):
         raise MessageError(f'{field}.pose: got a number that is not finite; allowed: finite numbers')
-    norm = math.sqrt(q.x ** 2 + q.y ** 2 + q.z ** 2 + q.w ** 2)
-    if abs(norm - 1.0) > 1e-3 or math.hypot(q.x, q.y) > PLANAR_TILT:
+    if abs(math.hypot(q.x, q.y, q.z, q.w) - 1.0) > 1e-3 or math.hypot(q.x, q.y) > PLANAR_TILT:
         raise MessageError(f'{field}.pose.orientation: got ({q.x}, {q.y}, {q.z}, {q.w}); '
                            'allowed: a unit quaternion about z')
     return np.array([p.x, p.y, math.atan2(2 * q.w * q.z, q.w ** 2 - q.z ** 2)])
