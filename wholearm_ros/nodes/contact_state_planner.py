@@ -90,10 +90,10 @@ class ContactStatePlanner(WholeArmNode):
             if isinstance(result, Exception):
                 raise result
         except WholeArmError as error:
-            return self.refused(str(error))
+            return self.no_plan(str(error))
         except Exception as error:  # a fault of ours: whoever asked is told, and may ask for something else
             traceback.print_exception(error)
-            return self.refused(f'the planner failed by a fault of its own: {error!r}')
+            return self.no_plan(f'the planner failed by a fault of its own: {error!r}')
         finally:
             self.busy = False
         return self.publish(result)
@@ -106,7 +106,7 @@ class ContactStatePlanner(WholeArmNode):
             done.set_result(error)
         self.executor.wake()  # it looks at who awaits only when something else happens
 
-    def refused(self, reason: str):
+    def no_plan(self, reason: str):
         self.tell(WARN, reason)
         return False, reason, None
 
