@@ -34,8 +34,7 @@ from wholearm_ros.warm import warm
 ROOT = Path(__file__).parents[1]
 VERTICES, SHAPES = (3, 4, 6, 8, 12, 16, 24), 8
 COPIES = (1, 2, 4, 8, 16, 32, 64)
-SUITES, CORES = (12, 24, 48, 96), (1, 2)
-ESTIMATED = 2000  # tasks, by the straight line
+SUITES, CORES = (48, 200, 600, 2000), (1, 2)
 QUICK = SuiteOptions(candidates=1, moves=0, backend='planar')  # a suite's tasks are tried once each: it is their number that counts
 TITLES = {'vertices': 'vertices of the polygon', 'copies': 'perturbed copies', 'suites': 'tasks of a suite'}
 out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
@@ -103,18 +102,13 @@ def exponent(sizes, values) -> float:
 
 
 def show(parts: dict):
-    """A table of exponents, and what a suite of 2,000 tasks would take."""
+    """A table of exponents."""
     table = Table(*(Column(name, no_wrap=True) for name in ('what', 'against', 'from', 'to', 'first [s]', 'last [s]', 'exponent')), box=None)
     for name, part in parts.items():
         for series, values in part['series'].items():
             table.add_row(series, TITLES[name], str(part['sizes'][0]), str(part['sizes'][-1]), f'{values[0]:.3g}', f'{values[-1]:.3g}',
                           f'{exponent(part["sizes"], values):.2f}')
     out.print(table)
-    if 'suites' in parts:
-        for series, values in parts['suites']['series'].items():
-            slope, fixed = np.polyfit(parts['suites']['sizes'], values, 1)
-            out.print(f'{ESTIMATED} tasks on {series}, by the straight line: {fixed + slope * ESTIMATED:.0f} s '
-                      f'({1e3 * slope:.0f} ms a task, {fixed:.1f} s to begin)')
 
 
 def draw(parts: dict):
