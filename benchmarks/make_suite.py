@@ -39,11 +39,13 @@ def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
 
 
 def _outline(rng, corners) -> list:
-    """Points in turn round a centre, as far from it as chance will, from the first one, to the millimetre."""
+    """Points in turn round a centre, as far from it as chance will, but not so unlike that many corners were never convex; from
+    the first one, to the millimetre, or a tenth of it where they are many."""
+    unlike = min(0.009, 0.6 * 0.061 * (1.0 - np.cos(2.0 * np.pi / corners)))  # [m]
     gaps = rng.uniform(1.0, 1.8, corners)
     angles = rng.uniform(0.0, 2 * np.pi) + 2 * np.pi * np.cumsum(gaps) / gaps.sum()
-    points = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.052, 0.07, (corners, 1))
-    return np.round(points - points[0], 3).tolist()
+    points = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.061 - unlike, 0.061 + unlike, (corners, 1))
+    return np.round(points - points[0], 3 if corners <= 8 else 4).tolist()
 
 
 def main():
