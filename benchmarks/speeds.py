@@ -7,18 +7,16 @@ Routes of dynamic moves are left out: their speeds belong to the moves.
 """
 import argparse
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.mechanics.at_once import at_once
 from wholearm_ros.mechanics.copies import build_copies
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.offer import Request, offer
 from wholearm_ros.simulation.suite_file import load_suite
 from wholearm_ros.trajectory.generate import generate
 from wholearm_ros.trajectory.options import ExecutionOptions
-from wholearm_ros.trajectory.verify import run_trial
+from wholearm_ros.trajectory.verify import run_trials_at_once
 
 LIMITS = ((1.5, 12.0), (1.0, 12.0), (1.5, 5.0), (0.8, 4.0), (2.5, 20.0))  # [rad/s], [rad/s²]; the first are the defaults
 COPIES_SEED = 77  # other copies than those the plan was verified with
@@ -42,8 +40,7 @@ def main():
         runs += len(copies)
         for k, (speed, acceleration) in enumerate(LIMITS):
             trajectory = generate(scenario, found.plan, replace(chosen, speed=speed, acceleration=acceleration))
-            trials = at_once(partial(run_trial, trajectory, scenario, controls=ControlOptions()), copies)
-            survived[k] += sum(trial.success for trial in trials)
+            survived[k] += sum(trial.success for trial in run_trials_at_once(trajectory, scenario, copies, ControlOptions()))
             seconds[k] += trajectory.duration
         print(f'{task.name}: {survived} of {runs}', flush=True)
     print('\n| rad/s | rad/s² | duration | at the goal |\n|---|---|---|---|')

@@ -21,14 +21,15 @@ def cut_files(bag: Path) -> list:
 @contextmanager
 def opened_whole(bag: Path):
     """The path of the bag, or of a copy for as long as the context lasts, in which cut files end with their last whole record."""
-    if not cut_files(bag):
+    cut = cut_files(bag)
+    if not cut:
         yield bag
         return
     with tempfile.TemporaryDirectory(prefix='wholearm_bag_') as scratch:
         copied = Path(scratch) / bag.name
         shutil.copytree(bag, copied)
-        for path in cut_files(copied):
-            with open(path, 'r+b') as file:
+        for path in cut:
+            with open(copied / path.name, 'r+b') as file:
                 file.truncate(_end_of_whole_records(file))
                 file.seek(0, 2)
                 file.write(FOOTER)

@@ -13,7 +13,6 @@ import numpy as np
 
 from .control.setpoints import ControlOptions
 from .errors import DocumentError
-from .mechanics.at_once import at_once
 from .mechanics.copies import build_copies
 from .model.plan import NOT_EXECUTABLE, ContactPlan
 from .model.scenario import Scenario
@@ -22,7 +21,7 @@ from .planning.move_search import STYLES
 from .planning.search import BEST, MoveRoutes, SearchOptions, make_routes
 from .trajectory.generate import generate
 from .trajectory.options import AUTO, FRONT, REAR, ExecutionOptions
-from .trajectory.verify import Verification, run_trial, run_trials, verify
+from .trajectory.verify import Verification, run_trials, run_trials_at_once, verify
 
 CAGES = ((FRONT, 0.1), (REAR, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))  # velocity finger, torque [N m] in caging
 
@@ -184,8 +183,7 @@ class _Trying:
                 plan = self.best.plan.with_execution(options.to_dict())
                 known = plan.id == self.best.plan.id
                 trajectory = self.best.trajectory if known else generate(self.scenario, plan, options)
-                trials = at_once(partial(run_trial, trajectory, self.scenario, controls=self.controls), harder)
-                alive = sum(t.success for t in trials)
+                alive = sum(t.success for t in run_trials_at_once(trajectory, self.scenario, harder, self.controls))
                 scored.append((alive, -len(scored), plan, trajectory))
                 if alive == len(harder):
                     break  # no way does better

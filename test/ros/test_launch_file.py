@@ -53,9 +53,7 @@ def test_every_argument_is_used_and_every_used_one_is_declared_and_described(des
 
 def _configurations(part):
     """Names of the launch configurations anywhere in `part`."""
-    if type(part).__name__ == 'LaunchConfiguration':
-        yield part.given[0]
-    elif type(part).__name__ == 'LaunchConfigurationNotEquals':
+    if type(part).__name__ in ('LaunchConfiguration', 'LaunchConfigurationNotEquals'):
         yield part.given[0]
     elif isinstance(part, Record):
         for inner in (*part.given, *part.named.values()):

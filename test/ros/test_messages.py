@@ -1,11 +1,11 @@
 """What comes over the wire is taken, or refused with a reason, and never anything else."""
 import pytest
+from builtin_interfaces.msg import Time
 from hypothesis import given
 from hypothesis import strategies as st
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.ros.messages import pose_message, to_planar
-from builtin_interfaces.msg import Time
 
 NUMBERS = st.floats(width=64)
 

@@ -1,6 +1,4 @@
 """Courses of a torque over time that change by no more than a step from one sample to the next."""
-import numpy as np
-
 from . import kernel
 
 

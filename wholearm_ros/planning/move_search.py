@@ -183,9 +183,10 @@ class MoveTree:
         sides = np.full(len(angles), record.move.velocity_finger)
         after = []
 
-        def lead(copy, q, v):
-            return follow_setpoints(copy, q, v, PERIOD, angles, velocities, efforts, sides, self._controls.gains)
-        for copy, run in zip(self._copies, at_once(lambda k: lead(self._copies[k], *before.copies[k]), range(len(self._copies)))):
+        def lead(k):
+            return follow_setpoints(self._copies[k], *before.copies[k], PERIOD, angles, velocities, efforts, sides,
+                                    self._controls.gains)
+        for copy, run in zip(self._copies, at_once(lead, range(len(self._copies)))):
             self.simulated += 1
             turn = copy.goal_angle - self._copies[0].goal_angle
             difference = np.abs(run.q[:3] - record.configurations[-1, :3] - [0.0, 0.0, turn])

@@ -62,10 +62,15 @@ def verify(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple
 
 def run_trials(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple,
                controls: ControlOptions) -> Iterator[Trial]:
-    """The trials in the order of their copies, after the first as many at once as there are processors."""
-    work = partial(run_trial, trajectory, scenario, controls=controls)
-    yield from map(work, copies[:1])
-    yield from at_once(work, copies[1:])
+    """The trials in the order of their copies, the first one alone: most candidates fail it."""
+    yield from run_trials_at_once(trajectory, scenario, copies[:1], controls)
+    yield from run_trials_at_once(trajectory, scenario, copies[1:], controls)
+
+
+def run_trials_at_once(trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple,
+                       controls: ControlOptions) -> Iterator[Trial]:
+    """The trials in the order of their copies, as many at once as there are processors."""
+    return at_once(partial(run_trial, trajectory, scenario, controls=controls), copies)
 
 
 def run_trial(trajectory: ManipulationTrajectory, scenario: Scenario, copy: Copy, controls: ControlOptions) -> Trial:
