@@ -60,7 +60,7 @@ $(STAMP): setup.py pyproject.toml
 	for f in package.xml config launch; do ln -sfn $(CURDIR)/$$f $$share/$$f; done; \
 	ln -sfn $(CURDIR)/resource/wholearm_ros $$index/wholearm_ros; \
 	mkdir -p $(VENV)/lib/wholearm_ros; cp resource/executables/* $(VENV)/lib/wholearm_ros/
-	@echo "compiling the kernels (once) ..."; $(PY) -m wholearm_ros.warm
+	@echo "compiling the kernels (once) ..."; $(PY) -m wholearm_ros.planner.warm
 	@touch $@
 
 clean:

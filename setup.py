@@ -1,21 +1,56 @@
 """Build description, for pip and for colcon (ament_python) alike."""
+
 import os
 from glob import glob
 
 from setuptools import find_packages, setup
 
 NAME = 'wholearm_ros'
-NODES = ['contact_state_planner', 'trajectory_generator', 'mode_switcher', 'velocity_controller', 'torque_controller',
-         'hand_hardware', 'bag_recorder', 'bag_player']
+NODES = [
+    'contact_state_planner',
+    'trajectory_generator',
+    'mode_switcher',
+    'velocity_controller',
+    'torque_controller',
+    'hand_hardware',
+    'bag_recorder',
+    'bag_player',
+]
 
 # numpy, scipy: Ubuntu 24.04's own are allowed, because the messages of a sourced ROS 2 are compiled against them.
-CORE = ['numpy>=1.26,<3', 'scipy>=1.11,<2', 'osqp~=1.0', 'rosbags~=0.10', 'numba~=0.61', 'pydantic~=2.5', 'pyyaml~=6.0',
-        'quantecon~=0.8', 'matplotlib~=3.8', 'pillow>=10.1', 'plotly>=6,<8', 'typer~=0.12', 'rich>=13,<16']
+CORE = [
+    'numpy>=1.26,<3',
+    'scipy>=1.11,<2',
+    'osqp~=1.0',
+    'rosbags~=0.10',
+    'numba~=0.61',
+    'pydantic~=2.5',
+    'pyyaml~=6.0',
+    'quantecon~=0.8',
+    'matplotlib~=3.8',
+    'pillow>=10.1',
+    'plotly>=6,<8',
+    'typer~=0.12',
+    'rich>=13,<16',
+]
 PYBULLET = 'pybullet~=3.2'  # a wheel up to Python 3.11; from 3.12 on pip compiles it, so there it is an extra
-ROS_WHEELS = ['ros-jazzy-rclpy~=7.1', 'ros-jazzy-common-interfaces~=5.3', 'ros-jazzy-rmw-fastrtps-cpp~=8.4']
-CLUSTER = ['distributed>=2024.1']  # `wholearm suite` on a Dask cluster; without it --jobs uses a plain pool of processes
-TEST = [*CLUSTER, 'pytest>=8,<10', 'pytest-timeout~=2.3', 'pytest-benchmark>=4,<6', 'hypothesis~=6.100', 'import-linter~=2.1',
-        'selenium~=4.20']
+ROS_WHEELS = [
+    'ros-jazzy-rclpy~=7.1',
+    'ros-jazzy-common-interfaces~=5.3',
+    'ros-jazzy-rmw-fastrtps-cpp~=8.4',
+]
+CLUSTER = [
+    'distributed>=2024.1'
+]  # `wholearm suite` on a Dask cluster; without it --jobs uses a plain pool of processes
+TEST = [
+    *CLUSTER,
+    'pytest>=8,<10',
+    'pytest-timeout~=2.3',
+    'pytest-benchmark>=4,<6',
+    'hypothesis~=6.100',
+    'import-linter~=2.1',
+    'selenium~=4.20',
+]
 # Where a ROS 2 is sourced, its own packages are used and the wheels of ROS stay out.
 ros = [] if os.environ.get('ROS_DISTRO') else ROS_WHEELS
 
@@ -28,9 +63,14 @@ setup(
     license='Apache-2.0',
     python_requires='>=3.10,<3.14',
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={f'{NAME}.report': ['assets/*']},
+    package_data={f'{NAME}.report.html': ['assets/*']},
     install_requires=[*CORE, f'{PYBULLET}; python_version < "3.12"', *ros],
-    extras_require={'pybullet': [PYBULLET], 'ros-wheels': ROS_WHEELS, 'cluster': CLUSTER, 'test': TEST},
+    extras_require={
+        'pybullet': [PYBULLET],
+        'ros-wheels': ROS_WHEELS,
+        'cluster': CLUSTER,
+        'test': TEST,
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
@@ -40,6 +80,8 @@ setup(
         (f'lib/{NAME}', sorted(glob('resource/executables/*'))),
     ],
     zip_safe=False,
-    entry_points={'console_scripts': [f'{node} = {NAME}.nodes.{node}:main' for node in NODES]
-                  + [f'wholearm = {NAME}.cli:main']},
+    entry_points={
+        'console_scripts': [f'{node} = {NAME}.nodes.{node}:main' for node in NODES]
+        + [f'wholearm = {NAME}.cli.main:main']
+    },
 )

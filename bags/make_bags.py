@@ -1,19 +1,22 @@
 """Makes the reference bags again: one lockstep run of each shipped scenario, and the README that says how. `make bags`."""
+
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+from wholearm_ros.launcher.launcher import RunOptions, run_graph
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.ros import channels
-from wholearm_ros.ros.launcher import RunOptions, run_graph
+from wholearm_ros.ros.interface import channels
 
 HERE = Path(__file__).resolve().parent
 SCENARIOS = ('asymmetric_hexagon', 'regular_hexagon')
 SEED, RATE = 0, 250.0  # [Hz]: a quarter of the default keeps a bag small
-LIMIT = 2 * 2 ** 20    # bytes
-TOPICS = tuple(t.name for t in channels.RECORDED if t not in (channels.MARKERS, channels.DIAGNOSTICS))
+LIMIT = 2 * 2**20  # bytes
+TOPICS = tuple(
+    t.name for t in channels.RECORDED if t not in (channels.MARKERS, channels.DIAGNOSTICS)
+)
 
 README = """# Reference bags
 
@@ -36,10 +39,14 @@ Replay one: `ros2 run wholearm_ros bag_player --ros-args -p path:=bags/asymmetri
 def make(name: str) -> str:
     """Records the bag of one scenario; its row of the table."""
     from rosbags.highlevel import AnyReader
+
     path, scenario = HERE / name, HERE.parent / 'config' / f'{name}.yaml'
     shutil.rmtree(path, ignore_errors=True)
-    report = run_graph(load_scenario(scenario), RunOptions(name, 'lockstep', seed=SEED, record=path, topics=TOPICS, rate=RATE),
-                       lambda *_: None)
+    report = run_graph(
+        load_scenario(scenario),
+        RunOptions(name, 'lockstep', seed=SEED, record=path, topics=TOPICS, rate=RATE),
+        lambda *_: None,
+    )
     print(f'{name}: {report.message}', flush=True)
     if not report.success:
         sys.exit(f'{name}: not at its goal: {report.message} {report.judged}')
@@ -54,10 +61,19 @@ def make(name: str) -> str:
 
 def main():
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    commit = subprocess.run(['git', 'rev-parse', '--short', 'HEAD'], cwd=HERE, capture_output=True, text=True).stdout.strip()
+    commit = subprocess.run(
+        ['git', 'rev-parse', '--short', 'HEAD'], cwd=HERE, capture_output=True, text=True
+    ).stdout.strip()
     rows = '\n'.join(make(name) for name in SCENARIOS)
-    (HERE / 'README.md').write_text(README.format(command='`python bags/make_bags.py`', seed=SEED, rate=RATE,
-                                                  commit=commit or 'unknown', rows=rows))
+    (HERE / 'README.md').write_text(
+        README.format(
+            command='`python bags/make_bags.py`',
+            seed=SEED,
+            rate=RATE,
+            commit=commit or 'unknown',
+            rows=rows,
+        )
+    )
 
 
 if __name__ == '__main__':

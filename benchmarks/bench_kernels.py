@@ -1,13 +1,14 @@
 """Single kernels against their plain NumPy twins, on the same configurations, with the same answers."""
+
 import numpy as np
 import plain
 from numba import njit
 from timing import row, seconds
 
-from wholearm_ros.kernels import arcs, geometry, statics
+from wholearm_ros.kernels import arc_tracing, geometry, statics
 from wholearm_ros.mechanics.contacts import four_contact_subsets, gap_table
-from wholearm_ros.planning.expansion import new_subgoal
-from wholearm_ros.planning.task import build_task
+from wholearm_ros.planning.new_subgoal import new_subgoal
+from wholearm_ros.planning.problem import build_problem
 
 BATCH, REPEATS = 300, 15
 NUDGE = 0.01  # [m, rad] off the manifold, for the projection to take back
@@ -24,14 +25,16 @@ def _gap_tables(obj, palm, fingers, corners, qs, gaps, codes):
 def _torque_ranges(rows, loads, limits, column, ends):
     forces = np.empty((4, 2))
     for i in range(len(rows)):
-        ends[i, 0], ends[i, 1], _ = statics.torque_interval(rows[i], loads[i], limits, column, forces)
+        ends[i, 0], ends[i, 1], _ = statics.torque_interval(
+            rows[i], loads[i], limits, column, forces
+        )
 
 
 @njit
 def _projections(obj, palm, fingers, codes, qs, hold):
     rows, gaps, good = np.empty((4, 5)), np.empty(4), 0
     for i in range(len(qs)):
-        good += arcs.project(obj, palm, fingers, codes, qs[i], hold, rows, gaps)
+        good += arc_tracing.project(obj, palm, fingers, codes, qs[i], hold, rows, gaps)
     return good
 
 
@@ -40,13 +43,17 @@ def bench_kernels(scenario, batch: int = BATCH, repeats: int = REPEATS) -> dict:
 
     Raises AssertionError when a kernel and its twin differ.
     """
-    task = build_task(scenario)
+    task = build_problem(scenario)
     world, cases = task.world, list(_arcs(task))
     drawn = np.random.default_rng(0).integers(len(cases), size=batch)
     codes, expansion = max(cases, key=lambda case: len(case[1].arcs[0].configurations))
     qs = np.array([cases[k][1].arcs[0].configurations[-1] for k in drawn])
-    return {'kernel.gap_table': _gap_table(world, qs, repeats), 'kernel.torque_range': _torque_range(world, codes, expansion, batch, repeats),
-            'kernel.projection': _projection(world, codes, expansion, batch, repeats), 'kernel.one_arc': _arc(task, cases, repeats)}
+    return {
+        'kernel.gap_table': _gap_table(world, qs, repeats),
+        'kernel.torque_range': _torque_range(world, codes, expansion, batch, repeats),
+        'kernel.projection': _projection(world, codes, expansion, batch, repeats),
+        'kernel.one_arc': _arc(task, cases, repeats),
+    }
 
 
 def _arcs(task):
@@ -54,7 +61,9 @@ def _arcs(task):
     for pairs in four_contact_subsets(task.pairs):
         for side in (0, 1):
             for direction in (1.0, -1.0):
-                for found in new_subgoal(task, task.start, pairs, direction * np.eye(5)[3 + side], side):
+                for found in new_subgoal(
+                    task, task.start, pairs, direction * np.eye(5)[3 + side], side
+                ):
                     if found.arcs and len(found.arcs[0].configurations) > 3:
                         yield np.array(pairs), found
 
@@ -65,6 +74,7 @@ def _gap_table(world, qs, repeats):
 
     def compiled():
         _gap_tables(*world.geometry, world.corners, qs, gaps, codes)
+
     compiled()
     np.testing.assert_allclose(gaps, [plain.gap_table(world, q) for q in qs], atol=1e-12)
     return _row(compiled, lambda: [plain.gap_table(world, q) for q in qs], len(qs), repeats)
@@ -85,6 +95,7 @@ def _torque_range(world, codes, expansion, batch, repeats):
 
     def obvious():
         return [plain.torque_range(r, load, world.torque_limits, 3) for r, load in zip(rows, loads)]
+
     compiled()
     full = ends[:, 0] < ends[:, 1]
     np.testing.assert_allclose(ends[full], np.array(obvious())[full], atol=1e-8)
@@ -93,13 +104,17 @@ def _torque_range(world, codes, expansion, batch, repeats):
 
 def _projection(world, codes, expansion, batch, repeats):
     hold = np.eye(5)[3]
-    off = _along(expansion, batch) + NUDGE * np.random.default_rng(1).uniform(-1, 1, (batch, 5)) * world.scale
+    off = (
+        _along(expansion, batch)
+        + NUDGE * np.random.default_rng(1).uniform(-1, 1, (batch, 5)) * world.scale
+    )
 
     def compiled():
         assert _projections(*world.geometry, codes, off.copy(), hold) == batch
 
     def obvious():
         return [plain.project(world, codes, q, hold) for q in off]
+
     compiled()
     here = off.copy()
     _projections(*world.geometry, codes, here, hold)
@@ -109,8 +124,12 @@ def _projection(world, codes, expansion, batch, repeats):
 
 def _arc(task, cases, repeats):
     """One expansion as the search asks for it, events located, against steps of a degree along as much of it."""
-    asked = [(codes, np.eye(5)[3 + side] * direction, side) for codes in {tuple(c.tolist()): c for c, _ in cases}.values()
-             for side in (0, 1) for direction in (1.0, -1.0)]
+    asked = [
+        (codes, np.eye(5)[3 + side] * direction, side)
+        for codes in {tuple(c.tolist()): c for c, _ in cases}.values()
+        for side in (0, 1)
+        for direction in (1.0, -1.0)
+    ]
 
     def compiled():
         for codes, toward, side in asked:
@@ -121,12 +140,23 @@ def _arc(task, cases, repeats):
             for found in new_subgoal(task, task.start, tuple(codes), toward, side)[:1]:
                 for arc in found.arcs:
                     if len(arc.configurations) > 1:
-                        plain.follow_arc(task.world, np.array(arc.pairs), arc.configurations[0], arc.tangents[0],
-                                         arc.length(task.world.scale))
+                        plain.follow_arc(
+                            task.world,
+                            np.array(arc.pairs),
+                            arc.configurations[0],
+                            arc.tangents[0],
+                            arc.length(task.world.scale),
+                        )
+
     return _row(compiled, obvious, len(asked), repeats)
 
 
 def _row(compiled, obvious, size, repeats) -> dict:
     """Microseconds a call."""
     compiled(), obvious()
-    return row(np.array(seconds(compiled, repeats)) / size, 1e6, 'µs', np.array(seconds(obvious, max(3, repeats // 5))) / size)
+    return row(
+        np.array(seconds(compiled, repeats)) / size,
+        1e6,
+        'µs',
+        np.array(seconds(obvious, max(3, repeats // 5))) / size,
+    )

@@ -1,4 +1,5 @@
 """What a user waits for: a fresh process' first plan, the planner node's start, its answer to a client, `make run`."""
+
 import json
 import os
 import subprocess
@@ -10,7 +11,7 @@ from pathlib import Path
 from timing import row, value
 
 ROOT = Path(__file__).parents[1]
-FIRST_PLAN = '''
+FIRST_PLAN = """
 import json, resource, sys, time
 began = time.perf_counter()
 from wholearm_ros.model.scenario_file import load_scenario
@@ -20,38 +21,53 @@ for _ in range(2):
     offer(scenario, Request())
     marks.append(time.perf_counter())
 print(json.dumps([b - a for a, b in zip([began, *marks], marks)] + [resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024]))
-'''
+"""
 WAIT = 300.0  # [s] for a node that compiles
 
 
 def bench_fresh_process(scenario: Path, cache: str = None) -> dict:
     """A process' imports, first offer and second. cache: a directory for compiled kernels, or None for the usual one."""
     environment = {**os.environ, **({'NUMBA_CACHE_DIR': cache} if cache else {})}
-    done = subprocess.run([sys.executable, '-c', FIRST_PLAN, str(scenario)], env=environment, capture_output=True, text=True,
-                          check=True, cwd=ROOT)
+    done = subprocess.run(
+        [sys.executable, '-c', FIRST_PLAN, str(scenario)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+    )
     imports, first, second, memory = json.loads(done.stdout.splitlines()[-1])
-    return {'imports': value(imports, 's'), 'first_offer': value(first, 's'), 'second_offer': value(second, 's'),
-            'memory': value(memory, 'MB')}
+    return {
+        'imports': value(imports, 's'),
+        'first_offer': value(first, 's'),
+        'second_offer': value(second, 's'),
+        'memory': value(memory, 'MB'),
+    }
 
 
 def bench_planner_node(scenarios, calls: int, cache: str = None) -> dict:
     """Process start to service ready and to the first answer, and `plan_scenario` as a client sees it; needs ROS 2."""
-    from wholearm_ros.ros import channels
-    from wholearm_ros.ros.client import Client
-    from wholearm_ros.ros.processes import Processes
+    from wholearm_ros.launcher.client import Client
+    from wholearm_ros.launcher.processes import Processes
+    from wholearm_ros.ros.interface import channels
+
     rows, times = {}, []
     with tempfile.TemporaryDirectory() as scratch, _environment(NUMBA_CACHE_DIR=cache):
         for k, scenario in enumerate(scenarios):
             with Processes(Path(scratch)) as processes:
                 client = Client(watch=processes.check, name=f'bench_{k}')
-                service = client.node.create_client(channels.PLAN_SCENARIO.type, channels.PLAN_SCENARIO.name)
+                service = client.node.create_client(
+                    channels.PLAN_SCENARIO.type, channels.PLAN_SCENARIO.name
+                )
                 began = time.perf_counter()
                 processes.start('contact_state_planner', {'scenario': str(scenario)})
                 client.wait(service.service_is_ready, WAIT, 'plan_scenario')
                 ready = time.perf_counter() - began
                 _call(client, service)
                 rows.setdefault('node.start_to_ready', value(ready, 's'))
-                rows.setdefault('node.start_to_first_answer', value(time.perf_counter() - began, 's'))
+                rows.setdefault(
+                    'node.start_to_first_answer', value(time.perf_counter() - began, 's')
+                )
                 times += [_call(client, service) for _ in range(calls)]
                 rows['node.memory'] = value(_peak(processes.pid('contact_state_planner')), 'MB')
                 client.close()

@@ -1,14 +1,15 @@
 """The parts of an offer on every task of a suite, warm: a plan by each search, generation, verification."""
+
 import resource
 
 from timing import row, seconds, timed, value
 
-from wholearm_ros.mechanics.copies import build_copies
 from wholearm_ros.model.scenario_file import parse_scenario
-from wholearm_ros.planning.search import BEST, RANDOM, SearchOptions, plan
-from wholearm_ros.trajectory.generate import generate
-from wholearm_ros.trajectory.verify import verify
-from wholearm_ros.warm import warm
+from wholearm_ros.planner.warm import warm
+from wholearm_ros.planning.routes import BEST, RANDOM, SearchOptions, plan
+from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
+from wholearm_ros.rollout.verification import verify
+from wholearm_ros.trajectory.main_trajectory import generate
 
 COPIES, LEVEL = 8, 1.0
 
@@ -32,15 +33,24 @@ def _executed(planned, repeats) -> dict:
     generation, one, many, both = [], [], [], []
     for found in planned:
         scenario = found.scenario
-        trajectory, copies = generate(scenario, found), build_copies(scenario, COPIES, LEVEL, 0)
-        for times, work in ((generation, lambda: generate(scenario, found)),
-                            (one, lambda: verify(trajectory, scenario, copies[:1])),
-                            (many, lambda: verify(trajectory, scenario, copies)),
-                            (both, lambda: verify(generate(scenario, found), scenario, copies))):
+        trajectory, copies = (
+            generate(scenario, found),
+            build_perturbed_samples(scenario, COPIES, LEVEL, 0),
+        )
+        for times, work in (
+            (generation, lambda: generate(scenario, found)),
+            (one, lambda: verify(trajectory, scenario, copies[:1])),
+            (many, lambda: verify(trajectory, scenario, copies)),
+            (both, lambda: verify(generate(scenario, found), scenario, copies)),
+        ):
             taken = sorted(seconds(work, repeats))
             times.append(taken[len(taken) // 2])
-    return {'suite.generate': row(generation), 'suite.verify_nominal': row(one),
-            f'suite.verify_{COPIES}_copies': row(many), f'suite.generate_and_verify_{COPIES}_copies': row(both)}
+    return {
+        'suite.generate': row(generation),
+        'suite.verify_nominal': row(one),
+        f'suite.verify_{COPIES}_copies': row(many),
+        f'suite.generate_and_verify_{COPIES}_copies': row(both),
+    }
 
 
 def _peak() -> float:

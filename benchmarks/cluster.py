@@ -4,6 +4,7 @@
 
 Prints when each result came, when the worker was killed, and whether every task has exactly one result.
 """
+
 import argparse
 import collections
 import os
@@ -14,8 +15,8 @@ import sys
 import time
 from pathlib import Path
 
-from wholearm_ros.simulation.suite import SuiteOptions, run_suite, summarize
-from wholearm_ros.simulation.suite_file import load_suite
+from wholearm_ros.suite.suite import SuiteOptions, run_suite, summarize
+from wholearm_ros.suite.suite_file import load_suite
 
 HERE = Path(__file__).parent
 
@@ -31,8 +32,19 @@ class Cluster:
 
     def __enter__(self):
         self._start('scheduler', '--host', self.address, '--no-dashboard', '--no-jupyter')
-        self.workers = [self._start('worker', self.address, '--host', '127.0.0.1', '--nthreads', '1', '--no-nanny', '--no-dashboard')
-                        for _ in range(self._count)]
+        self.workers = [
+            self._start(
+                'worker',
+                self.address,
+                '--host',
+                '127.0.0.1',
+                '--nthreads',
+                '1',
+                '--no-nanny',
+                '--no-dashboard',
+            )
+            for _ in range(self._count)
+        ]
         return self
 
     def __exit__(self, *_):
@@ -41,18 +53,28 @@ class Cluster:
             process.wait()
 
     def _start(self, *arguments):
-        self._processes.append(subprocess.Popen([sys.executable, '-m', 'dask', *arguments], stdout=subprocess.DEVNULL,
-                                                stderr=subprocess.DEVNULL, start_new_session=True))
+        self._processes.append(
+            subprocess.Popen(
+                [sys.executable, '-m', 'dask', *arguments],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+            )
+        )
         return self._processes[-1]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument('--suite', type=Path, default=HERE / 'suite.json')
     parser.add_argument('--workers', type=int, default=2)
     parser.add_argument('--time-budget', type=float, default=3.0)
     options = parser.parse_args()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that no process of the cluster is left behind
+    signal.signal(
+        signal.SIGTERM, lambda *_: sys.exit(1)
+    )  # so that no process of the cluster is left behind
     tasks, heard, began = load_suite(options.suite), [], time.monotonic()
 
     def tell(text):
@@ -60,15 +82,27 @@ def main():
 
     def on_result(result):
         heard.append(result['name'])
-        tell(f'{len(heard):3d} of {len(tasks)}  {result["name"]}: {"executed" if result["executed"] else result["reason"][:60]}')
+        tell(
+            f'{len(heard):3d} of {len(tasks)}  {result["name"]}: {"executed" if result["executed"] else result["reason"][:60]}'
+        )
         if len(heard) == len(tasks) // 2:
             os.kill(cluster.workers[0].pid, signal.SIGKILL)
-            tell(f'worker {cluster.workers[0].pid} killed; alive: {[w.pid for w in cluster.workers[1:]]}')
+            tell(
+                f'worker {cluster.workers[0].pid} killed; alive: {[w.pid for w in cluster.workers[1:]]}'
+            )
+
     with Cluster(options.workers) as cluster:
-        results = run_suite(tasks, SuiteOptions(time_budget=options.time_budget), on_result=on_result, scheduler=cluster.address)
+        results = run_suite(
+            tasks,
+            SuiteOptions(time_budget=options.time_budget),
+            on_result=on_result,
+            scheduler=cluster.address,
+        )
     often = collections.Counter(heard)
-    tell(f'{len(results)} results for {len(tasks)} tasks; heard of more than once: {[n for n, k in often.items() if k > 1] or "none"}, '
-         f'never: {[t.name for t in tasks if t.name not in often] or "none"}; {summarize(results)["errors"]} errors')
+    tell(
+        f'{len(results)} results for {len(tasks)} tasks; heard of more than once: {[n for n, k in often.items() if k > 1] or "none"}, '
+        f'never: {[t.name for t in tasks if t.name not in often] or "none"}; {summarize(results)["errors"]} errors'
+    )
 
 
 if __name__ == '__main__':

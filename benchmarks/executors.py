@@ -1,7 +1,8 @@
 """The closed loop under each of rclpy's executors: what led to the choice in docs/ros.md.
 
-    python benchmarks/executors.py [--rates 500 1000] [--seconds 5] [--executors events single multi]
+python benchmarks/executors.py [--rates 500 1000] [--seconds 5] [--executors events single multi]
 """
+
 import argparse
 import importlib
 import os
@@ -11,13 +12,17 @@ from pathlib import Path
 
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
-
 from ros_loop import LOOP, Bench, loop_figures, show_loop
-from wholearm_ros.ros.client import GraphError
-from wholearm_ros.ros.node import run_node
-from wholearm_ros.ros.processes import Processes
 
-EXECUTORS = {'events': EventsExecutor, 'single': SingleThreadedExecutor, 'multi': MultiThreadedExecutor}
+from wholearm_ros.launcher.client import GraphError
+from wholearm_ros.launcher.processes import Processes
+from wholearm_ros.ros.node.node import run_node
+
+EXECUTORS = {
+    'events': EventsExecutor,
+    'single': SingleThreadedExecutor,
+    'multi': MultiThreadedExecutor,
+}
 
 
 class Under(Processes):
@@ -26,7 +31,11 @@ class Under(Processes):
     executor = ''
 
     def program(self, node: str) -> list:
-        return [sys.executable, __file__, 'run', node, self.executor] if node in LOOP else super().program(node)
+        return (
+            [sys.executable, __file__, 'run', node, self.executor]
+            if node in LOOP
+            else super().program(node)
+        )
 
 
 def run(node: str, executor: str):
@@ -37,7 +46,9 @@ def run(node: str, executor: str):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument('--rates', type=float, nargs='*', default=[500.0, 1000.0])
     parser.add_argument('--seconds', type=float, default=5.0)
     parser.add_argument('--executors', nargs='*', default=list(EXECUTORS), choices=list(EXECUTORS))

@@ -3,6 +3,7 @@ their next face.
 
     python benchmarks/make_suite.py [--tasks 24] [--seed 1] [--out benchmarks/suite.json]
 """
+
 import argparse
 import json
 from pathlib import Path
@@ -15,23 +16,46 @@ from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scenario_to_dict
 
 HERE = Path(__file__).parent
-SHIPPED = [scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml'))
-           for name in ('asymmetric_hexagon', 'regular_hexagon')]
-CORNERS = (6, 5, 6, 8, 6, 4, 6, 7, 6, 5, 6, 6)  # how many, one task after the other: mostly hexagons
+SHIPPED = [
+    scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml'))
+    for name in ('asymmetric_hexagon', 'regular_hexagon')
+]
+CORNERS = (
+    6,
+    5,
+    6,
+    8,
+    6,
+    4,
+    6,
+    7,
+    6,
+    5,
+    6,
+    6,
+)  # how many, one task after the other: mostly hexagons
 
 
 def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
     """A scenario as a dictionary: a convex polygon 10 to 14 cm across, at rest between the fingers, to be turned onto the next
     edge on which it can rest, either way round. What cannot be started is drawn again."""
     while True:
-        vertices, turn, edge = _outline(rng, corners), int(rng.choice([-1, 1])), int(rng.integers(corners))
+        vertices, turn, edge = (
+            _outline(rng, corners),
+            int(rng.choice([-1, 1])),
+            int(rng.integers(corners)),
+        )
         try:
             polygon = Polygon(vertices)
             stable = [k for k in range(corners) if polygon.can_rest_on(k)]
             goal = stable[(stable.index(edge) - turn) % len(stable)]
-            task = {**SHIPPED[0], 'name': name, 'object': {'vertices': vertices, 'mass': round(rng.uniform(0.2, 0.5), 3)},
-                    'start': {'edge': edge, 'x': -turn * round(rng.uniform(0.0, 0.03), 2)},
-                    'goal': {'edge': goal, 'direction': 'ccw' if turn > 0 else 'cw'}}
+            task = {
+                **SHIPPED[0],
+                'name': name,
+                'object': {'vertices': vertices, 'mass': round(rng.uniform(0.2, 0.5), 3)},
+                'start': {'edge': edge, 'x': -turn * round(rng.uniform(0.0, 0.03), 2)},
+                'goal': {'edge': goal, 'direction': 'ccw' if turn > 0 else 'cw'},
+            }
             start_configuration(parse_scenario(task))
             return task
         except (WholeArmError, ValueError):
@@ -44,12 +68,16 @@ def _outline(rng, corners) -> list:
     unlike = min(0.009, 0.6 * 0.061 * (1.0 - np.cos(2.0 * np.pi / corners)))  # [m]
     gaps = rng.uniform(1.0, 1.8, corners)
     angles = rng.uniform(0.0, 2 * np.pi) + 2 * np.pi * np.cumsum(gaps) / gaps.sum()
-    points = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.061 - unlike, 0.061 + unlike, (corners, 1))
+    points = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(
+        0.061 - unlike, 0.061 + unlike, (corners, 1)
+    )
     return np.round(points - points[0], 3 if corners <= 8 else 4).tolist()
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument('--tasks', type=int, default=24)
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--out', type=Path, default=HERE / 'suite.json')
@@ -57,8 +85,11 @@ def main():
     rng = np.random.default_rng(options.seed)
     corners = [CORNERS[k % len(CORNERS)] for k in range(options.tasks - len(SHIPPED))]
     tasks = [*SHIPPED, *(random_task(rng, n, f'{k:02d}-{n}gon') for k, n in enumerate(corners))]
-    document = {'format': 'wholearm-suite/1', 'units': {'length': 'm', 'mass': 'kg', 'angle': 'rad unless _deg', 'torque': 'N m'},
-                'seed': options.seed}
+    document = {
+        'format': 'wholearm-suite/1',
+        'units': {'length': 'm', 'mass': 'kg', 'angle': 'rad unless _deg', 'torque': 'N m'},
+        'seed': options.seed,
+    }
     lines = ',\n'.join(json.dumps(task) for task in tasks)
     options.out.write_text(f'{json.dumps(document)[:-1]}, "tasks": [\n{lines}\n]}}\n')
 

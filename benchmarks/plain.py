@@ -1,4 +1,5 @@
 """Plain NumPy twins of the kernels, written as one would write them first: what a kernel's time is set against."""
+
 import numpy as np
 
 from wholearm_ros.kernels import geometry
@@ -31,7 +32,9 @@ def gap_table(world, q) -> np.ndarray:
     _, normals, _ = outlines(vertices)
     gaps = []
     d = np.diff(world.palm[:, :2], axis=0)
-    for start, along, length in zip(world.palm[:, :2], d / np.linalg.norm(d, axis=1)[:, None], np.linalg.norm(d, axis=1)):
+    for start, along, length in zip(
+        world.palm[:, :2], d / np.linalg.norm(d, axis=1)[:, None], np.linalg.norm(d, axis=1)
+    ):
         across = (vertices - start) @ np.array([-along[1], along[0]])
         place = (vertices - start) @ along
         gaps.append(np.where((place >= 0) & (place <= length), across, np.inf))
@@ -56,10 +59,18 @@ def rows_and_gaps(world, codes, q) -> tuple:
         kind, body, hand, mine = (code >> 20) & 1, (code >> 16) & 15, (code >> 8) & 255, code & 255
         if kind == geometry.VERTEX_EDGE:
             point = vertices[mine]
-            start, n = _palm_edge(world, hand) if body == 0 else _finger_edge(world, body - 1, hand, q[2 + body])
+            start, n = (
+                _palm_edge(world, hand)
+                if body == 0
+                else _finger_edge(world, body - 1, hand, q[2 + body])
+            )
             gaps[i] = n @ (point - start)
         else:
-            point = world.palm[hand, :2] if body == 0 else _finger_corner(world, body - 1, hand, q[2 + body])
+            point = (
+                world.palm[hand, :2]
+                if body == 0
+                else _finger_corner(world, body - 1, hand, q[2 + body])
+            )
             n = -normals[mine]
             gaps[i] = normals[mine] @ (point - vertices[mine])
         r = point - q[:2]
@@ -79,7 +90,9 @@ def _palm_edge(world, k):
 def _finger_edge(world, side, feature, theta):
     axis, u, w = finger_frame(world, side, theta)
     length, half = world.fingers[side, 2:]
-    return [(axis + half * w, w), (axis + length * u, u), (axis - half * w, -w), (axis, -u)][feature]
+    return [(axis + half * w, w), (axis + length * u, u), (axis - half * w, -w), (axis, -u)][
+        feature
+    ]
 
 
 def _finger_corner(world, side, feature, theta):
@@ -129,7 +142,7 @@ def follow_arc(world, codes, q, direction, length, step=np.radians(1.0)) -> np.n
         rows, _ = rows_and_gaps(world, codes, q)
         tangent = np.linalg.svd(rows * world.scale)[2][-1] * world.scale
         tangent *= np.sign(tangent / world.scale @ (direction / world.scale)) or 1.0
-        q = project(world, codes, q + length / count * tangent, tangent / world.scale ** 2)
+        q = project(world, codes, q + length / count * tangent, tangent / world.scale**2)
         direction = tangent
         gap_table(world, q)
         load = load_at(world, q)

@@ -5,26 +5,37 @@ acceleration, each in the same strongly perturbed copies of its task (planar sim
 
 Routes of dynamic moves are left out: their speeds belong to the moves.
 """
+
 import argparse
 from dataclasses import replace
 from pathlib import Path
 
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.mechanics.copies import build_copies
 from wholearm_ros.model.scenario_file import parse_scenario
-from wholearm_ros.offer import Request, offer
-from wholearm_ros.simulation.suite_file import load_suite
-from wholearm_ros.trajectory.generate import generate
-from wholearm_ros.trajectory.options import ExecutionOptions
-from wholearm_ros.trajectory.verify import run_trials_at_once
+from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
+from wholearm_ros.rollout.verification import run_trials_at_once
+from wholearm_ros.suite.suite_file import load_suite
+from wholearm_ros.trajectory.execution_options import ExecutionOptions
+from wholearm_ros.trajectory.main_trajectory import generate
 
-LIMITS = ((1.5, 12.0), (1.0, 12.0), (1.5, 5.0), (0.8, 4.0), (2.5, 20.0))  # [rad/s], [rad/s²]; the first are the defaults
+LIMITS = (
+    (1.5, 12.0),
+    (1.0, 12.0),
+    (1.5, 5.0),
+    (0.8, 4.0),
+    (2.5, 20.0),
+)  # [rad/s], [rad/s²]; the first are the defaults
 COPIES_SEED = 77  # other copies than those the plan was verified with
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('suite', type=Path, nargs='?', default=Path(__file__).with_name('suite.json'))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        'suite', type=Path, nargs='?', default=Path(__file__).with_name('suite.json')
+    )
     parser.add_argument('--copies', type=int, default=16)
     parser.add_argument('--level', type=float, default=2.0)
     parser.add_argument('--time-budget', type=float, default=3.0)
@@ -35,17 +46,24 @@ def main():
         found = offer(scenario, Request(moves=0, time_budget=options.time_budget))
         if found.trajectory is None:
             continue
-        copies = build_copies(scenario, options.copies, options.level, COPIES_SEED)[1:]
+        copies = build_perturbed_samples(scenario, options.copies, options.level, COPIES_SEED)[1:]
         chosen = ExecutionOptions.from_dict(found.plan.execution)
         runs += len(copies)
         for k, (speed, acceleration) in enumerate(LIMITS):
-            trajectory = generate(scenario, found.plan, replace(chosen, speed=speed, acceleration=acceleration))
-            survived[k] += sum(trial.success for trial in run_trials_at_once(trajectory, scenario, copies, ControlOptions()))
+            trajectory = generate(
+                scenario, found.plan, replace(chosen, speed=speed, acceleration=acceleration)
+            )
+            survived[k] += sum(
+                trial.success
+                for trial in run_trials_at_once(trajectory, scenario, copies, ControlOptions())
+            )
             seconds[k] += trajectory.duration
         print(f'{task.name}: {survived} of {runs}', flush=True)
     print('\n| rad/s | rad/s² | duration | at the goal |\n|---|---|---|---|')
     for (speed, acceleration), alive, duration in zip(LIMITS, survived, seconds):
-        print(f'| {speed} | {acceleration:.0f} | {duration / seconds[0]:.2f} × | {alive} of {runs} |')
+        print(
+            f'| {speed} | {acceleration:.0f} | {duration / seconds[0]:.2f} × | {alive} of {runs} |'
+        )
 
 
 if __name__ == '__main__':

@@ -1,4 +1,5 @@
 """Times as rows of a result: a name, a unit, median, 95th percentile, how many, and the ratio to a plain version."""
+
 import time
 from typing import Callable
 
@@ -8,9 +9,17 @@ import numpy as np
 def row(seconds, scale: float = 1e3, unit: str = 'ms', plain=None) -> dict:
     """Of times [s], shown in `unit` = 1 s / scale; plain: times [s] of the plain version of the same work."""
     values = scale * np.asarray(seconds, dtype=float)
-    told = {'unit': unit, 'median': float(np.median(values)), 'p95': float(np.percentile(values, 95)), 'n': len(values)}
+    told = {
+        'unit': unit,
+        'median': float(np.median(values)),
+        'p95': float(np.percentile(values, 95)),
+        'n': len(values),
+    }
     if plain is not None:
-        told |= {'plain': scale * float(np.median(plain)), 'ratio': float(np.median(plain) / np.median(seconds))}
+        told |= {
+            'plain': scale * float(np.median(plain)),
+            'ratio': float(np.median(plain) / np.median(seconds)),
+        }
     return told
 
 

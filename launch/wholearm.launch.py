@@ -2,7 +2,7 @@
 
 The counterpart of `wholearm run`, for those who plan and send goals themselves.
 """
-from launch import LaunchDescription
+
 from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
 from launch.conditions import LaunchConfigurationNotEquals
 from launch.event_handlers import OnProcessExit
@@ -10,6 +10,8 @@ from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
+
+from launch import LaunchDescription
 
 ARGUMENTS = (
     ('scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'),
@@ -20,7 +22,11 @@ ARGUMENTS = (
     ('view', 'false', "PyBullet's window"),
     ('seed', '0', 'of everything drawn at random in planning'),
     ('search', 'best', 'best or random'),
-    ('transition', 'auto', 'how torque ranges that do not overlap are crossed: auto, dwell or dynamic'),
+    (
+        'transition',
+        'auto',
+        'how torque ranges that do not overlap are crossed: auto, dwell or dynamic',
+    ),
     ('priority', '20', 'of the loop in real time, where the machine allows it; 0: none'),
     ('record', '', 'directory of a bag to record into; empty: none'),
     ('storage', 'mcap', 'format of the bag: mcap or sqlite3'),
@@ -35,27 +41,75 @@ def generate_launch_description():
         return ParameterValue(LaunchConfiguration(name), value_type=kind)
 
     def node(executable, parameters, **more):
-        return Node(package='wholearm_ros', executable=executable, namespace=LaunchConfiguration('namespace'),
-                    output='screen', parameters=[parameters], **more)
+        return Node(
+            package='wholearm_ros',
+            executable=executable,
+            namespace=LaunchConfiguration('namespace'),
+            output='screen',
+            parameters=[parameters],
+            **more,
+        )
 
     scenario, pacing = {'scenario': text('scenario')}, {'pacing': text('pacing')}
     rate = {'motor_rate': number('rate', float)}
-    real_time = PythonExpression(["int('", LaunchConfiguration('priority'), "') if '", LaunchConfiguration('pacing'),
-                                  "' == 'realtime' else 0"])
+    real_time = PythonExpression(
+        [
+            "int('",
+            LaunchConfiguration('priority'),
+            "') if '",
+            LaunchConfiguration('pacing'),
+            "' == 'realtime' else 0",
+        ]
+    )
     loop = {'priority': ParameterValue(real_time, value_type=int)}
     nodes = [
-        node('hand_hardware', {**scenario, **pacing, **loop, **rate, 'backend': text('backend'), 'view': number('view', bool)}),
+        node(
+            'hand_hardware',
+            {
+                **scenario,
+                **pacing,
+                **loop,
+                **rate,
+                'backend': text('backend'),
+                'view': number('view', bool),
+            },
+        ),
         node('mode_switcher', {**pacing, **loop}),
         node('velocity_controller', {**scenario, **loop}),
         node('torque_controller', {**scenario, **loop, **rate}),
         node('trajectory_generator', {}),
-        node('contact_state_planner', {**scenario, 'seed': number('seed', int), 'search': text('search'),
-                                       'transition': text('transition')}),
+        node(
+            'contact_state_planner',
+            {
+                **scenario,
+                'seed': number('seed', int),
+                'search': text('search'),
+                'transition': text('transition'),
+            },
+        ),
     ]
-    recorder = node('bag_recorder', {'path': text('record'), 'storage': text('storage'), **loop},
-                    condition=LaunchConfigurationNotEquals('record', ''))
+    recorder = node(
+        'bag_recorder',
+        {'path': text('record'), 'storage': text('storage'), **loop},
+        condition=LaunchConfigurationNotEquals('record', ''),
+    )
     # A graph with a node missing is of no use: all end with the first one that does.
-    watch = [RegisterEventHandler(OnProcessExit(target_action=n, on_exit=[EmitEvent(event=Shutdown(
-        reason='a node ended'))])) for n in nodes]
-    return LaunchDescription([*(DeclareLaunchArgument(name, default_value=value, description=told)
-                                for name, value, told in ARGUMENTS), *nodes, recorder, *watch])
+    watch = [
+        RegisterEventHandler(
+            OnProcessExit(
+                target_action=n, on_exit=[EmitEvent(event=Shutdown(reason='a node ended'))]
+            )
+        )
+        for n in nodes
+    ]
+    return LaunchDescription(
+        [
+            *(
+                DeclareLaunchArgument(name, default_value=value, description=told)
+                for name, value, told in ARGUMENTS
+            ),
+            *nodes,
+            recorder,
+            *watch,
+        ]
+    )

@@ -1,4 +1,5 @@
 """What the tests of every room share."""
+
 import itertools
 import os
 import sys
@@ -7,8 +8,12 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-sys.path.insert(0, str(Path(__file__).parent))  # problems.py and plain_geometry.py, importable from every room
-settings.register_profile('same', derandomize=True, deadline=None, database=None)  # the same examples everywhere
+sys.path.insert(
+    0, str(Path(__file__).parent)
+)  # problems.py and plain_geometry.py, importable from every room
+settings.register_profile(
+    'same', derandomize=True, deadline=None, database=None
+)  # the same examples everywhere
 settings.load_profile('same')
 
 _domains = itertools.count(os.getpid() * 7)

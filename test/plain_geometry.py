@@ -1,4 +1,5 @@
 """Slow and obvious geometry of object and hand, the twin of kernels/geometry.py: corners, edges and half planes."""
+
 import numpy as np
 
 from wholearm_ros.mechanics.contacts import pair_name
@@ -25,9 +26,17 @@ def finger_features(scenario: Scenario, side: int, angle: float) -> dict:
     base_right, tip_right, tip_left, base_left = finger_outline(scenario, side, angle)
     right, left = (base_right, tip_right), (tip_left, base_left)
     inner, outer = (right, left) if SIDES[side] == 'left' else (left, right)
-    inner_corner, outer_corner = (tip_right, tip_left) if SIDES[side] == 'left' else (tip_left, tip_right)
-    return {'inner': inner, 'outer': outer, 'tip': (tip_right, tip_left), 'base': (base_left, base_right),
-            'inner_corner': inner_corner, 'outer_corner': outer_corner}
+    inner_corner, outer_corner = (
+        (tip_right, tip_left) if SIDES[side] == 'left' else (tip_left, tip_right)
+    )
+    return {
+        'inner': inner,
+        'outer': outer,
+        'tip': (tip_right, tip_left),
+        'base': (base_left, base_right),
+        'inner_corner': inner_corner,
+        'outer_corner': outer_corner,
+    }
 
 
 def height(point, start, end) -> float:
@@ -49,7 +58,9 @@ def gap_of(scenario: Scenario, code: int, q: np.ndarray) -> float:
     k = int(mine[1:])
     if body == 'palm':
         v, j = scenario.palm.vertices, int(feature[1:])
-        other = (v[j + 1], v[j]) if feature[0] == 'e' else v[j]  # turned round: its free side is on the left
+        other = (
+            (v[j + 1], v[j]) if feature[0] == 'e' else v[j]
+        )  # turned round: its free side is on the left
     else:
         other = finger_features(scenario, SIDES.index(body), q[3 + SIDES.index(body)])[feature]
     if mine[0] == 'v':

@@ -1,4 +1,5 @@
 """Named problems of the tests: the shipped scenarios, small ones with one thing to show each, and random geometry."""
+
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +9,15 @@ from hypothesis import strategies as st
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import Finger, Hand, Palm
 from wholearm_ros.model.polygon import Polygon
-from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Gravity, ManipulatedObject, Scenario, StartOnEdge
+from wholearm_ros.model.scenario import (
+    CCW,
+    CW,
+    GoalOnEdge,
+    Gravity,
+    ManipulatedObject,
+    Scenario,
+    StartOnEdge,
+)
 from wholearm_ros.model.scenario_file import load_scenario
 
 CONFIG = Path(__file__).parents[1] / 'config'
@@ -18,11 +27,26 @@ SHIPPED = {'asymmetric': ASYMMETRIC, 'regular': REGULAR}
 HAND, PALM, GRAVITY = ASYMMETRIC.hand, ASYMMETRIC.palm, ASYMMETRIC.gravity
 
 
-def task(vertices, start_edge: int, goal_edge: int, x: float = 0.0, mass: float = 0.3, palm: Palm = PALM,
-         hand: Hand = HAND, name: str = '') -> Scenario:
+def task(
+    vertices,
+    start_edge: int,
+    goal_edge: int,
+    x: float = 0.0,
+    mass: float = 0.3,
+    palm: Palm = PALM,
+    hand: Hand = HAND,
+    name: str = '',
+) -> Scenario:
     """Turn a polygon counter-clockwise from one edge to another in the shipped hand."""
-    return Scenario(ManipulatedObject(Polygon(vertices), mass), hand, palm, GRAVITY, StartOnEdge(start_edge, x),
-                    GoalOnEdge(goal_edge, CCW), name)
+    return Scenario(
+        ManipulatedObject(Polygon(vertices), mass),
+        hand,
+        palm,
+        GRAVITY,
+        StartOnEdge(start_edge, x),
+        GoalOnEdge(goal_edge, CCW),
+        name,
+    )
 
 
 def _ring(n: int, radius: float) -> np.ndarray:
@@ -31,13 +55,26 @@ def _ring(n: int, radius: float) -> np.ndarray:
 
 
 SQUARE = task(_ring(4, 0.05), 0, 3, name='square')
-QUADRILATERAL = task([[0.0, 0.0], [0.07, 0.0], [0.08, 0.06], [0.01, 0.07]], 0, 3, name='quadrilateral')
+QUADRILATERAL = task(
+    [[0.0, 0.0], [0.07, 0.0], [0.08, 0.06], [0.01, 0.07]], 0, 3, name='quadrilateral'
+)
 PENTAGON = task(_ring(5, 0.055), 0, 4, x=-0.02, name='pentagon')
 TALL = task([[0.0, 0.0], [0.05, 0.0], [0.055, 0.11], [-0.005, 0.11]], 0, 3, x=-0.02, name='tall')
 HEPTAGON = task(_ring(7, 0.055), 0, 6, x=-0.02, name='heptagon')
-LEANING = replace(task([[0.0, 0.0], [0.052, 0.074], [0.003, 0.127], [-0.079, 0.088], [-0.051, 0.028]], 0, 1, x=0.03, mass=0.365,
-                       name='leaning'), goal=GoalOnEdge(1, CW))
-FLAT_PALMS = {s.name: s for s in (ASYMMETRIC, REGULAR, SQUARE, QUADRILATERAL, PENTAGON, TALL, HEPTAGON)}
+LEANING = replace(
+    task(
+        [[0.0, 0.0], [0.052, 0.074], [0.003, 0.127], [-0.079, 0.088], [-0.051, 0.028]],
+        0,
+        1,
+        x=0.03,
+        mass=0.365,
+        name='leaning',
+    ),
+    goal=GoalOnEdge(1, CW),
+)
+FLAT_PALMS = {
+    s.name: s for s in (ASYMMETRIC, REGULAR, SQUARE, QUADRILATERAL, PENTAGON, TALL, HEPTAGON)
+}
 
 # A palm that bulges: three edges, four vertices, of which all can touch an edge of the object.
 BENT_PALM = Palm([[-0.15, -0.02], [-0.03, 0.0], [0.03, 0.0], [0.15, -0.02]])
@@ -46,13 +83,22 @@ ON_BENT_PALM = task(ASYMMETRIC.object.polygon.vertices, 0, 5, palm=BENT_PALM, na
 
 def with_torque_limits(scenario: Scenario, limit: float) -> Scenario:
     """The same with weaker (or stronger) motors."""
-    return replace(scenario, hand=Hand(*(_finger(f, torque_limit=limit) for f in (scenario.hand.left, scenario.hand.right))))
+    return replace(
+        scenario,
+        hand=Hand(
+            *(_finger(f, torque_limit=limit) for f in (scenario.hand.left, scenario.hand.right))
+        ),
+    )
 
 
 def with_masses(scenario: Scenario, factor: float) -> Scenario:
     """The same geometry, everything that gravity pulls at `factor` times as heavy."""
-    hand = Hand(*(_finger(f, mass=factor * f.mass) for f in (scenario.hand.left, scenario.hand.right)))
-    return replace(scenario, hand=hand, object=replace(scenario.object, mass=factor * scenario.object.mass))
+    hand = Hand(
+        *(_finger(f, mass=factor * f.mass) for f in (scenario.hand.left, scenario.hand.right))
+    )
+    return replace(
+        scenario, hand=hand, object=replace(scenario.object, mass=factor * scenario.object.mass)
+    )
 
 
 def without_gravity(scenario: Scenario) -> Scenario:
@@ -80,7 +126,13 @@ def scenarios(draw) -> Scenario:
     polygon = draw(polygons())
     stable = [k for k in range(len(polygon.vertices)) if polygon.can_rest_on(k)]
     k = draw(st.integers(0, len(stable) - 1))
-    return task(polygon.vertices, stable[k], stable[k - 1], x=draw(st.floats(-0.02, 0.02)), mass=draw(st.floats(0.1, 0.6)))
+    return task(
+        polygon.vertices,
+        stable[k],
+        stable[k - 1],
+        x=draw(st.floats(-0.02, 0.02)),
+        mass=draw(st.floats(0.1, 0.6)),
+    )
 
 
 def random_scenario(rng: np.random.Generator) -> Scenario:
@@ -92,13 +144,26 @@ def random_scenario(rng: np.random.Generator) -> Scenario:
     polygon = Polygon(np.column_stack([a * np.cos(angles), b * np.sin(angles)]))
     stable = [k for k in range(n) if polygon.can_rest_on(k)]
     k = int(rng.integers(len(stable)))
-    return task(polygon.vertices, stable[k], stable[k - 1], x=rng.uniform(-0.02, 0.02), mass=rng.uniform(0.1, 0.6))
+    return task(
+        polygon.vertices,
+        stable[k],
+        stable[k - 1],
+        x=rng.uniform(-0.02, 0.02),
+        mass=rng.uniform(0.1, 0.6),
+    )
 
 
 def random_configuration(rng: np.random.Generator) -> np.ndarray:
     """(5,) somewhere between the fingers; nothing need touch, things may overlap."""
-    return np.array([rng.uniform(-0.06, 0.06), rng.uniform(-0.01, 0.1), rng.uniform(-3.2, 3.2), rng.uniform(0.3, 3.0),
-                     rng.uniform(0.1, 2.8)])
+    return np.array(
+        [
+            rng.uniform(-0.06, 0.06),
+            rng.uniform(-0.01, 0.1),
+            rng.uniform(-3.2, 3.2),
+            rng.uniform(0.3, 3.0),
+            rng.uniform(0.1, 2.8),
+        ]
+    )
 
 
 def worlds(rng: np.random.Generator, count: int):

@@ -1,10 +1,11 @@
 """A graph of real node processes and a client in it, for tests."""
+
 import time
 from pathlib import Path
 
-from wholearm_ros.ros import channels
-from wholearm_ros.ros.client import Client
-from wholearm_ros.ros.processes import Processes
+from wholearm_ros.launcher.client import Client
+from wholearm_ros.launcher.processes import Processes
+from wholearm_ros.ros.interface import channels
 
 WAIT = 150.0  # [s] a bound, not a measure: machines may be loaded
 LOOP = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller')
@@ -36,7 +37,10 @@ class Graph:
     def talk(self, topic: channels.Topic, subscribers: int = 1):
         """A publisher that has found its subscribers."""
         publisher = self.node.create_publisher(topic.type, topic.name, topic.qos)
-        self.wait(lambda: publisher.get_subscription_count() >= subscribers, f'subscribers of {topic.name}')
+        self.wait(
+            lambda: publisher.get_subscription_count() >= subscribers,
+            f'subscribers of {topic.name}',
+        )
         return publisher
 
     def wait(self, condition, what: str = 'condition', seconds: float = WAIT):
@@ -52,7 +56,10 @@ class Graph:
         answer = self.client.call(channels.PLAN_SCENARIO, WAIT)
         assert answer.success, answer.message
         heard = self.client.heard
-        self.wait(lambda: heard.plan and heard.trajectory and heard.trajectory.plan_id == heard.plan.id, 'trajectory')
+        self.wait(
+            lambda: heard.plan and heard.trajectory and heard.trajectory.plan_id == heard.plan.id,
+            'trajectory',
+        )
         return heard.plan
 
     def execute(self, plan_id: str) -> dict:

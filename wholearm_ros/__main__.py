@@ -1,4 +1,5 @@
 """`python -m wholearm_ros` is the command line."""
-from .cli import main
+
+from wholearm_ros.cli.main import main
 
 main()

@@ -1,4 +1,5 @@
 """The benchmark runs, its kernels agree with their plain twins, its results can be compared; the suite file is the seed's."""
+
 import json
 import subprocess
 import sys
@@ -8,14 +9,18 @@ import pytest
 
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.scenario_file import parse_scenario
-from wholearm_ros.simulation.suite_file import load_suite
+from wholearm_ros.suite.suite_file import load_suite
 
 BENCHMARKS = Path(__file__).parents[2] / 'benchmarks'
 
 
 def python(script: str, *arguments) -> str:
-    done = subprocess.run([sys.executable, str(BENCHMARKS / script), *map(str, arguments)], capture_output=True, text=True,
-                          timeout=250)
+    done = subprocess.run(
+        [sys.executable, str(BENCHMARKS / script), *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -29,8 +34,17 @@ def measured(tmp_path_factory) -> Path:
 
 def test_every_kernel_and_every_part_of_an_offer_is_measured(measured):
     rows = json.loads(measured.read_text())['rows']
-    assert {'kernel.gap_table', 'kernel.torque_range', 'kernel.projection', 'kernel.one_arc', 'suite.plan_best',
-            'suite.plan_random', 'suite.generate', 'suite.verify_nominal', 'suite.verify_8_copies'} <= set(rows)
+    assert {
+        'kernel.gap_table',
+        'kernel.torque_range',
+        'kernel.projection',
+        'kernel.one_arc',
+        'suite.plan_best',
+        'suite.plan_random',
+        'suite.generate',
+        'suite.verify_nominal',
+        'suite.verify_8_copies',
+    } <= set(rows)
     assert all(r['ratio'] > 1.0 for name, r in rows.items() if name.startswith('kernel.'))
     assert rows['suite.plan_best']['n'] == 2 and 0.0 < rows['suite.generate']['median']
 

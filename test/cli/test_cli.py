@@ -1,4 +1,5 @@
 """The command line: exit codes, one clear message instead of a traceback, help that teaches."""
+
 import json
 import subprocess
 import sys
@@ -7,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from wholearm_ros.cli import app
+from wholearm_ros.cli.main import app
 
 CONFIG = Path(__file__).parents[2] / 'config'
 HEXAGON = str(CONFIG / 'asymmetric_hexagon.yaml')
@@ -27,21 +28,40 @@ def test_help_names_an_example(command):
 
 def test_run_is_listed_without_importing_ros_for_other_commands():
     assert 'run' in wholearm('--help').output
-    code = ("import sys; from typer.testing import CliRunner; from wholearm_ros.cli import app; "
-            "CliRunner().invoke(app, ['version']); "
-            "print([m for m in ('rclpy', 'pybullet', 'numba') if m in sys.modules])")
-    assert subprocess.run([sys.executable, '-c', code], capture_output=True, text=True).stdout.strip() == '[]'
+    code = (
+        'import sys; from typer.testing import CliRunner; from wholearm_ros.cli.main import app; '
+        "CliRunner().invoke(app, ['version']); "
+        "print([m for m in ('rclpy', 'pybullet', 'numba') if m in sys.modules])"
+    )
+    assert (
+        subprocess.run([sys.executable, '-c', code], capture_output=True, text=True).stdout.strip()
+        == '[]'
+    )
 
 
-@pytest.mark.parametrize('missing, words', [('rclpy', 'a sourced ROS 2 Jazzy'), ('wholearm_ros.ros.launcher', 'launcher')])
+@pytest.mark.parametrize(
+    'missing, words',
+    [('rclpy', 'a sourced ROS 2 Jazzy'), ('wholearm_ros.launcher.launcher', 'launcher')],
+)
 def test_run_says_what_cannot_be_imported_whatever_its_options(missing, words):
-    code = ("import sys\nclass Block:\n    def find_spec(self, name, path=None, target=None):\n"
-            f"        if name == {missing!r}: raise ImportError(name + ' is blocked', name=name)\n"
-            "sys.meta_path.insert(0, Block())\nfrom wholearm_ros.cli import main\nmain()")
-    done = subprocess.run([sys.executable, '-c', code, 'run', 'regular_hexagon', '--pacing', 'lockstep'],
-                          capture_output=True, text=True, timeout=100)
+    code = (
+        'import sys\nclass Block:\n    def find_spec(self, name, path=None, target=None):\n'
+        f"        if name == {missing!r}: raise ImportError(name + ' is blocked', name=name)\n"
+        'sys.meta_path.insert(0, Block())\nfrom wholearm_ros.cli.main import main\nmain()'
+    )
+    done = subprocess.run(
+        [sys.executable, '-c', code, 'run', 'regular_hexagon', '--pacing', 'lockstep'],
+        capture_output=True,
+        text=True,
+        timeout=100,
+    )
     told = done.stderr.replace('\n', ' ')
-    assert done.returncode != 0 and f'{missing} is blocked' in told and words in told and 'No such option' not in told
+    assert (
+        done.returncode != 0
+        and f'{missing} is blocked' in told
+        and words in told
+        and 'No such option' not in told
+    )
 
 
 @pytest.fixture
@@ -64,11 +84,19 @@ def test_what_is_wrong_is_said(bad):
     assert 'object.mass: got -0.353; allowed: greater than 0' in told.output.replace('\n', ' ')
 
 
-@pytest.mark.parametrize('arguments', [
-    ['plan'], ['plan', HEXAGON, '--seed', '-1'], ['plan', HEXAGON, '--search', 'worst'], ['nothing'],
-    ['plan', HEXAGON, '--json', '/nowhere/at/all.json'], ['suite', HEXAGON, '--jobs', '0'],
-    ['simulate', HEXAGON, '--backend', 'gazebo'], ['simulate', HEXAGON, '--rate', '1'],
-])
+@pytest.mark.parametrize(
+    'arguments',
+    [
+        ['plan'],
+        ['plan', HEXAGON, '--seed', '-1'],
+        ['plan', HEXAGON, '--search', 'worst'],
+        ['nothing'],
+        ['plan', HEXAGON, '--json', '/nowhere/at/all.json'],
+        ['suite', HEXAGON, '--jobs', '0'],
+        ['simulate', HEXAGON, '--backend', 'gazebo'],
+        ['simulate', HEXAGON, '--rate', '1'],
+    ],
+)
 def test_bad_arguments_are_exit_code_2(arguments):
     assert wholearm(*arguments).exit_code == 2
 
@@ -102,8 +130,13 @@ def test_no_plan_is_exit_code_1(tmp_path):
 
 def test_suite_writes_its_results(tmp_path):
     from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
+
     file, out = tmp_path / 'suite.json', tmp_path / 'out.json'
-    file.write_text(json.dumps({'format': 'wholearm-suite/1', 'tasks': [scenario_to_dict(load_scenario(HEXAGON))]}))
+    file.write_text(
+        json.dumps(
+            {'format': 'wholearm-suite/1', 'tasks': [scenario_to_dict(load_scenario(HEXAGON))]}
+        )
+    )
     told = wholearm('suite', file, '--json', out)
     assert told.exit_code == 0, told.output
     document = json.loads(out.read_text())

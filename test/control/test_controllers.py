@@ -1,4 +1,5 @@
 """The two controllers: their formulas, limits, and what they do with readings that are not numbers."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,13 +15,24 @@ GAINS = PdGains(30.0, 0.85)
 number = st.floats(-100.0, 100.0)
 
 
-@given(angle=st.floats(-0.1, 0.1), velocity=st.floats(-1.0, 1.0), wanted=st.floats(-0.1, 0.1), speed=st.floats(-1.0, 1.0),
-       feedforward=st.floats(-1.0, 1.0))
-def test_pd_is_linear_inside_the_limit_and_zero_error_gives_the_feedforward(angle, velocity, wanted, speed, feedforward):
-    got = velocity_effort(GAINS, FINGER, VelocitySetpoint(LEFT, wanted, speed, feedforward), angle, velocity)
+@given(
+    angle=st.floats(-0.1, 0.1),
+    velocity=st.floats(-1.0, 1.0),
+    wanted=st.floats(-0.1, 0.1),
+    speed=st.floats(-1.0, 1.0),
+    feedforward=st.floats(-1.0, 1.0),
+)
+def test_pd_is_linear_inside_the_limit_and_zero_error_gives_the_feedforward(
+    angle, velocity, wanted, speed, feedforward
+):
+    got = velocity_effort(
+        GAINS, FINGER, VelocitySetpoint(LEFT, wanted, speed, feedforward), angle, velocity
+    )
     raw = feedforward + 30.0 * (wanted - angle) + 0.85 * (speed - velocity)
     assert got == pytest.approx(np.clip(raw, -7.0, 7.0))
-    at_rest = velocity_effort(GAINS, FINGER, VelocitySetpoint(LEFT, angle, velocity, feedforward), angle, velocity)
+    at_rest = velocity_effort(
+        GAINS, FINGER, VelocitySetpoint(LEFT, angle, velocity, feedforward), angle, velocity
+    )
     assert at_rest == feedforward
 
 
@@ -37,10 +49,16 @@ def test_a_reading_that_is_no_number_gives_no_effort(bad):
     assert torque_effort(FINGER, TorqueSetpoint(LEFT, bad), 1.5, 60.0, 0.001) == 1.5
 
 
-@given(wanted=st.floats(-20.0, 20.0), previous=st.floats(-7.0, 7.0), slew=st.floats(20.0, 500.0),
-       dt=st.floats(1e-3, 0.01))
+@given(
+    wanted=st.floats(-20.0, 20.0),
+    previous=st.floats(-7.0, 7.0),
+    slew=st.floats(20.0, 500.0),
+    dt=st.floats(1e-3, 0.01),
+)
 @settings(deadline=None)
-def test_torque_goes_to_its_setpoint_no_faster_than_allowed_and_gets_there(wanted, previous, slew, dt):
+def test_torque_goes_to_its_setpoint_no_faster_than_allowed_and_gets_there(
+    wanted, previous, slew, dt
+):
     effort = torque_effort(FINGER, TorqueSetpoint(LEFT, wanted), previous, slew, dt)
     assert abs(effort - previous) <= slew * dt + 1e-12
     for _ in range(int(14.0 / (slew * dt)) + 2):
@@ -61,7 +79,9 @@ def test_default_gains_are_stable_with_every_delay_that_is_drawn():
     gains = ControlOptions().gains
     margins = [phase_margin(gains, FINGER.inertia, 0.0005 + d) for d in (0.0, 0.003, 0.006)]
     assert margins[0] > 60.0 and margins[1] > 40.0 and margins[2] > 20.0
-    assert phase_margin(PdGains(300.0, 6.0), FINGER.inertia, 0.0035) < 0.0  # why the gains are not higher
+    assert (
+        phase_margin(PdGains(300.0, 6.0), FINGER.inertia, 0.0035) < 0.0
+    )  # why the gains are not higher
 
 
 @pytest.mark.parametrize('delay', [0, 3, 6])
@@ -70,7 +90,10 @@ def test_the_finger_comes_to_rest_at_its_setpoint_with_delay_and_noise(delay, no
     rng, dt, gains = np.random.default_rng(1), 0.001, ControlOptions().gains
     angle, velocity, pipe, errors = 0.05, 0.0, [0.0] * delay, []
     for k in range(2000):
-        read = angle + noise * 4e-4 * rng.standard_normal(), velocity + noise * 0.04 * rng.standard_normal()
+        read = (
+            angle + noise * 4e-4 * rng.standard_normal(),
+            velocity + noise * 0.04 * rng.standard_normal(),
+        )
         pipe.append(velocity_effort(gains, FINGER, VelocitySetpoint(LEFT, 0.0, 0.0, 0.0), *read))
         velocity += dt * pipe.pop(0) / FINGER.inertia
         angle += dt * velocity

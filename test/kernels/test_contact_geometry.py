@@ -1,4 +1,5 @@
 """Contact pairs, gaps, rows and the gap table against plain half-plane geometry and finite differences."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -26,7 +27,10 @@ def test_a_pair_code_gives_back_what_it_was_made_of(kind, body):
         for mine in (0, 7, 255):
             code = geometry.pair_code(kind, body, hand, mine)
             assert (geometry.pair_kind(code), geometry.pair_body(code)) == (kind, body)
-            assert (geometry.pair_hand_feature(code), geometry.pair_object_feature(code)) == (hand, mine)
+            assert (geometry.pair_hand_feature(code), geometry.pair_object_feature(code)) == (
+                hand,
+                mine,
+            )
 
 
 def test_gaps_of_pairs_are_heights_above_the_opposite_edge():
@@ -46,7 +50,10 @@ def test_rows_are_the_gradients_of_the_gaps():
         _, codes = gap_table(world, q)
         rows, _ = contact_rows(world, codes, q)
         for j, step in enumerate(STEP * np.eye(5)):
-            slope = [(gap_of(scenario, c, q + step) - gap_of(scenario, c, q - step)) / (2 * STEP) for c in codes]
+            slope = [
+                (gap_of(scenario, c, q + step) - gap_of(scenario, c, q - step)) / (2 * STEP)
+                for c in codes
+            ]
             np.testing.assert_allclose(rows[:, j], slope, atol=1e-8)
 
 
@@ -93,7 +100,9 @@ def test_the_gap_table_is_the_largest_height_over_the_opposite_outline():
 def test_every_entry_of_the_table_knows_its_place():
     for _, world, q in cases(5, 20):
         _, codes = gap_table(world, q)
-        assert [geometry.entry_of(world.obj, world.palm, world.corners, c) for c in codes] == list(range(len(codes)))
+        assert [geometry.entry_of(world.obj, world.palm, world.corners, c) for c in codes] == list(
+            range(len(codes))
+        )
 
 
 def test_the_clearance_of_a_finger_is_the_separation_of_the_outlines():
@@ -102,12 +111,19 @@ def test_the_clearance_of_a_finger_is_the_separation_of_the_outlines():
     for scenario, world, q in cases(6, 200):
         gaps, codes = gap_table(world, q)
         for side in (LEFT, RIGHT):
-            found = geometry.finger_clearance(world.obj, world.fingers, side, q[3 + side], q[0], q[1], np.cos(q[2]), np.sin(q[2]))
-            expected = separation(object_outline(scenario, q), finger_outline(scenario, side, q[3 + side]))
+            found = geometry.finger_clearance(
+                world.obj, world.fingers, side, q[3 + side], q[0], q[1], np.cos(q[2]), np.sin(q[2])
+            )
+            expected = separation(
+                object_outline(scenario, q), finger_outline(scenario, side, q[3 + side])
+            )
             assert found == pytest.approx(expected, abs=1e-14)
             if expected > 0.0:
                 apart += 1
-                assert min(g for g, code in zip(gaps, codes) if geometry.pair_body(code) == 1 + side) > 0.0
+                assert (
+                    min(g for g, code in zip(gaps, codes) if geometry.pair_body(code) == 1 + side)
+                    > 0.0
+                )
             else:
                 overlapping += 1
     assert apart > 100 and overlapping > 50
@@ -131,23 +147,30 @@ def test_a_finger_that_touches_nothing_or_touches_when_open_has_no_closing_angle
     world = build_world(ASYMMETRIC)
     far = geometry.closing_angle(world.obj, world.fingers, world.limits, LEFT, 0.0, 3.0, 0.0)
     on_it = geometry.closing_angle(world.obj, world.fingers, world.limits, LEFT, -0.25, -0.02, 0.0)
-    run_through = geometry.closing_angle(world.obj, world.fingers, world.limits, LEFT, -0.17, -0.02, 0.0)
+    run_through = geometry.closing_angle(
+        world.obj, world.fingers, world.limits, LEFT, -0.17, -0.02, 0.0
+    )
     assert np.isnan(far) and np.isnan(on_it) and np.isnan(run_through)
 
 
 def test_a_finger_whose_tip_grazes_an_apex_does_not_close_on_the_far_side():
     """The apex of a thin triangle at the finger's reach: passed between two steps of the sweep, found by hypothesis."""
-    triangle = task([[5.53610157e-03, 5.44542128e-02], [-1.64197794e-02, -5.25998399e-02], [0.06, 0.0]], 2, 1, x=0.015625)
+    triangle = task(
+        [[5.53610157e-03, 5.44542128e-02], [-1.64197794e-02, -5.25998399e-02], [0.06, 0.0]],
+        2,
+        1,
+        x=0.015625,
+    )
     q = start_configuration(triangle)
     assert abs(separation(object_outline(triangle, q), finger_outline(triangle, LEFT, q[3]))) < 1e-9
 
 
-@given(st.integers(0, 2 ** 32 - 1))
+@given(st.integers(0, 2**32 - 1))
 @settings(max_examples=50)
 def test_a_gap_does_not_change_when_object_and_finger_turn_together_about_the_finger_axis(seed):
     """Gaps are relative: turning object and finger as one about the finger's axis keeps every gap between them."""
     rng = np.random.default_rng(seed)
-    (scenario, world, q), = worlds(rng, 1)
+    ((scenario, world, q),) = worlds(rng, 1)
     q, turn, side = random_configuration(rng), rng.uniform(-1.0, 1.0), int(rng.integers(2))
     axis = scenario.hand[side].axis
     c, s = np.cos(turn), np.sin(turn)

@@ -1,4 +1,5 @@
 """Tiny linear algebra against numpy and scipy."""
+
 import numpy as np
 import pytest
 from scipy.linalg import null_space

@@ -1,4 +1,5 @@
 """The torque interval of four contacts against linear programming and against OSQP; loads; friction-tilted rows."""
+
 import numpy as np
 import osqp
 import pytest
@@ -7,11 +8,24 @@ from problems import ASYMMETRIC, worlds
 from scipy.optimize import linprog
 
 from wholearm_ros.kernels import geometry
-from wholearm_ros.kernels.statics import clip_interval, equilibrium_forces, load_at, tilt_rows, torque_interval
+from wholearm_ros.kernels.statics import (
+    clip_interval,
+    equilibrium_forces,
+    load_at,
+    tilt_rows,
+    torque_interval,
+)
 from wholearm_ros.mechanics.contacts import contact_rows, gap_table
 from wholearm_ros.mechanics.world import build_world
 
-TIGHT = {'eps_abs': 1e-11, 'eps_rel': 1e-11, 'eps_prim_inf': 1e-10, 'max_iter': 50_000, 'polishing': True, 'verbose': False}
+TIGHT = {
+    'eps_abs': 1e-11,
+    'eps_rel': 1e-11,
+    'eps_prim_inf': 1e-10,
+    'max_iter': 50_000,
+    'polishing': True,
+    'verbose': False,
+}
 
 
 def contact_sets(seed: int, count: int):
@@ -24,7 +38,10 @@ def contact_sets(seed: int, count: int):
         if {int(geometry.pair_body(c)) for c in four} != {0, 1, 2}:
             continue
         rows, _ = contact_rows(world, four, q)
-        if np.linalg.cond(np.delete(rows, 3, axis=1)) > 1e4 or np.linalg.cond(np.delete(rows, 4, axis=1)) > 1e4:
+        if (
+            np.linalg.cond(np.delete(rows, 3, axis=1)) > 1e4
+            or np.linalg.cond(np.delete(rows, 4, axis=1)) > 1e4
+        ):
             continue
         load = np.empty(5)
         load_at(world.load, world.finger_moment, q, load)
@@ -40,11 +57,23 @@ def by_linprog(rows, load, limits, column):
     """(τ_min, τ_max) over (f ≥ 0, |τ_T| and |τ_V| ≤ limits), or None: the problem (6) as two linear programmes."""
     mine, other = rows[:, column], rows[:, 7 - column]
     a_ub = np.vstack([-mine, mine, -other, other])
-    b_ub = [limits[column - 3] - load[column], limits[column - 3] + load[column],
-            limits[4 - column] - load[7 - column], limits[4 - column] + load[7 - column]]
+    b_ub = [
+        limits[column - 3] - load[column],
+        limits[column - 3] + load[column],
+        limits[4 - column] - load[7 - column],
+        limits[4 - column] + load[7 - column],
+    ]
     ends = []
     for sign in (1.0, -1.0):
-        answer = linprog(-sign * mine, A_ub=a_ub, b_ub=b_ub, A_eq=rows[:, :3].T, b_eq=load[:3], bounds=(0, None), method='highs')
+        answer = linprog(
+            -sign * mine,
+            A_ub=a_ub,
+            b_ub=b_ub,
+            A_eq=rows[:, :3].T,
+            b_eq=load[:3],
+            bounds=(0, None),
+            method='highs',
+        )
         if answer.status != 0:
             return None
         ends.append(load[column] - mine @ answer.x)
@@ -59,7 +88,9 @@ def by_osqp(rows, load, limits, column):
     ends = []
     for sign in (1.0, -1.0):
         solver = osqp.OSQP()
-        solver.setup(sp.csc_matrix(1e-10 * np.eye(4)), -sign * rows[:, column], a, low, high, **TIGHT)
+        solver.setup(
+            sp.csc_matrix(1e-10 * np.eye(4)), -sign * rows[:, column], a, low, high, **TIGHT
+        )
         answer = solver.solve(raise_error=False)
         if answer.info.status != 'solved':
             return None
@@ -110,7 +141,9 @@ def test_forces_balance_the_object_and_the_torque_finger_for_every_torque():
                 f = forces[:, 0] + forces[:, 1] * torque
                 scale = 1.0 + np.abs(f).max()
                 np.testing.assert_allclose(rows[:, :3].T @ f, load[:3], atol=1e-10 * scale)
-                assert rows[:, column] @ f == pytest.approx(load[column] - torque, abs=1e-10 * scale)
+                assert rows[:, column] @ f == pytest.approx(
+                    load[column] - torque, abs=1e-10 * scale
+                )
 
 
 def test_dependent_contacts_have_no_interval():
@@ -119,8 +152,16 @@ def test_dependent_contacts_have_no_interval():
     assert low > high and ratio < 1e-9
 
 
-@pytest.mark.parametrize('a, b, expected', [(1.0, 2.0, (-0.5, 3.0)), (1.0, -2.0, (-2.0, 0.5)), (1.0, 0.0, (-2.0, 3.0)),
-                                            (-1.0, 0.0, (1.0, -1.0)), (8.0, 2.0, (-2.0, 3.0))])
+@pytest.mark.parametrize(
+    'a, b, expected',
+    [
+        (1.0, 2.0, (-0.5, 3.0)),
+        (1.0, -2.0, (-2.0, 0.5)),
+        (1.0, 0.0, (-2.0, 3.0)),
+        (-1.0, 0.0, (1.0, -1.0)),
+        (8.0, 2.0, (-2.0, 3.0)),
+    ],
+)
 def test_clipping_keeps_where_a_plus_b_tau_is_not_negative(a, b, expected):
     assert clip_interval(-2.0, 3.0, a, b) == expected
 
@@ -129,7 +170,11 @@ def test_the_load_holds_a_level_finger_by_half_its_weight_and_a_standing_one_by_
     world, out = build_world(ASYMMETRIC), np.empty(5)
     load_at(world.load, world.finger_moment, np.array([0.0, 0.0, 0.0, 0.0, np.pi / 2]), out)
     finger, g = ASYMMETRIC.hand.left, ASYMMETRIC.gravity.in_plane
-    np.testing.assert_allclose(out, [0.0, ASYMMETRIC.object.mass * g, 0.0, finger.mass * g * finger.length / 2, 0.0], atol=1e-15)
+    np.testing.assert_allclose(
+        out,
+        [0.0, ASYMMETRIC.object.mass * g, 0.0, finger.mass * g * finger.length / 2, 0.0],
+        atol=1e-15,
+    )
 
 
 def test_friction_takes_power_out_of_sliding_and_none_when_nothing_slides():
@@ -139,6 +184,8 @@ def test_friction_takes_power_out_of_sliding_and_none_when_nothing_slides():
         rows, slides, rate = rng.normal(size=(4, 5)), rng.normal(size=(4, 5)), rng.normal(size=5)
         tilted = np.empty((4, 5))
         tilt_rows(rows, slides, rate, 0.3, tilted)
-        np.testing.assert_allclose(tilted @ rate, rows @ rate - 0.3 * np.abs(slides @ rate), atol=1e-12)
+        np.testing.assert_allclose(
+            tilted @ rate, rows @ rate - 0.3 * np.abs(slides @ rate), atol=1e-12
+        )
         tilt_rows(rows, slides, np.zeros(5), 0.3, tilted)
         np.testing.assert_array_equal(tilted, rows)

@@ -1,11 +1,12 @@
 """Time stepping: the complementarity problem, impacts, energy, momentum, and the loops that step."""
+
 from itertools import combinations
 
 import numpy as np
 import pytest
 from problems import ASYMMETRIC, HEPTAGON, worlds
 
-from wholearm_ros.kernels import geometry, stepping
+from wholearm_ros.kernels import geometry, time_stepping
 from wholearm_ros.mechanics.contacts import gap_table, start_configuration
 from wholearm_ros.mechanics.world import build_world
 
@@ -13,16 +14,25 @@ H = 0.001  # [s]
 
 
 def work_of(world):
-    return stepping.new_work(world.obj, world.palm, world.corners)
+    return time_stepping.new_work(world.obj, world.palm, world.corners)
 
 
 def one_step(world, q, v, efforts=(0.0, 0.0), friction=0.0, load=None, moment=None, work=None):
     """(q, v, closed, residual) after one step; q and v are copied."""
     q, v = q.copy(), v.copy()
-    closed, residual = stepping.step(
-        *world.geometry, world.corners, world.inertias, world.load if load is None else load,
-        world.finger_moment if moment is None else moment, friction, np.asarray(efforts, float), H, q, v,
-        work or work_of(world))
+    closed, residual = time_stepping.step(
+        *world.geometry,
+        world.corners,
+        world.inertias,
+        world.load if load is None else load,
+        world.finger_moment if moment is None else moment,
+        friction,
+        np.asarray(efforts, float),
+        H,
+        q,
+        v,
+        work or work_of(world),
+    )
     return q, v, closed, residual
 
 
@@ -52,7 +62,11 @@ def enumerated(a, b):
             z = np.zeros(k)
             z[active] = np.linalg.lstsq(a[np.ix_(active, active)], -b[active], rcond=None)[0]
             w = a @ z + b
-            if z.min() >= -1e-10 and w.min() >= -1e-10 and np.abs(w[active]).max(initial=0.0) < 1e-9:
+            if (
+                z.min() >= -1e-10
+                and w.min() >= -1e-10
+                and np.abs(w[active]).max(initial=0.0) < 1e-9
+            ):
                 return w
     return None
 
@@ -68,7 +82,7 @@ def test_complementarity_problems_are_solved_to_1e_9(rank):
         a, b = r @ r.T, r @ rng.normal(size=rank) + rng.uniform(0.0, 0.2, k) * (rng.random(k) < 0.5)
         z = np.empty(k)
         guess = rng.random(k) < 0.4
-        assert stepping.solve_lcp(r, r, b, guess, z) <= 1e-9
+        assert time_stepping.solve_lcp(r, r, b, guess, z) <= 1e-9
         w = a @ z + b
         assert z.min() >= -1e-9 and w.min() >= -1e-9 and abs(z @ w) < 1e-8
 
@@ -79,15 +93,15 @@ def test_the_solution_is_the_one_that_trying_all_active_sets_finds():
         k = int(rng.integers(1, 6))
         r = rng.normal(size=(k, 5))
         a, b, z = r @ r.T, r @ rng.normal(size=5), np.empty(k)
-        stepping.solve_lcp(r, r, b, np.zeros(k, np.bool_), z)
+        time_stepping.solve_lcp(r, r, b, np.zeros(k, np.bool_), z)
         np.testing.assert_allclose(a @ z + b, enumerated(a, b), atol=1e-8)
 
 
 def test_the_residual_sees_a_wrong_answer():
     a, b = np.eye(2), np.array([-1.0, 1.0])
-    assert stepping.lcp_residual(a, a, b, np.array([1.0, 0.0])) == 0.0
-    assert stepping.lcp_residual(a, a, b, np.array([0.5, 0.0])) == pytest.approx(0.5)
-    assert stepping.lcp_residual(a, a, b, np.array([1.0, -0.2])) == pytest.approx(0.2)
+    assert time_stepping.lcp_residual(a, a, b, np.array([1.0, 0.0])) == 0.0
+    assert time_stepping.lcp_residual(a, a, b, np.array([0.5, 0.0])) == pytest.approx(0.5)
+    assert time_stepping.lcp_residual(a, a, b, np.array([1.0, -0.2])) == pytest.approx(0.2)
 
 
 # ---------------------------------------------------------------------- one step
@@ -95,9 +109,14 @@ def test_a_step_is_gauss_principle():
     """v⁺ is nearest (in the mass metric) to the free velocity among those that do not penetrate: compared with the LCP of
     all pairs near, its active sets tried one by one."""
     for world, q, v in free_configurations(30, 40):
-        free = v - H * np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])]) / world.inertias
+        free = (
+            v
+            - H
+            * np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])])
+            / world.inertias
+        )
         gaps, codes = gap_table(world, q)
-        near = gaps < stepping.NEAR
+        near = gaps < time_stepping.NEAR
         rows = np.empty((near.sum(), 5))
         geometry.normal_rows(*world.geometry, codes[near], q, rows, np.empty(near.sum()))
         w = enumerated(rows / world.inertias @ rows.T, rows @ free + gaps[near] / H)
@@ -110,7 +129,12 @@ def test_impulses_push_and_only_where_contacts_close():
     """M (v⁺ − v_free) is a non-negative combination of the rows of pairs that end the step closed: complementarity."""
     hits = 0
     for world, q, v in free_configurations(31, 60):
-        free = v - H * np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])]) / world.inertias
+        free = (
+            v
+            - H
+            * np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])])
+            / world.inertias
+        )
         work = work_of(world)
         _, after, closed, _ = one_step(world, q, v, work=work)
         gaps, codes, active = work[:3]
@@ -133,8 +157,10 @@ def test_no_step_without_load_adds_kinetic_energy():
     """From any state that does not penetrate, without and with friction."""
     for world, q, v in free_configurations(32, 60):
         for friction in (0.0, 0.1):
-            _, after, _, _ = one_step(world, q, v, friction=friction, load=np.zeros(5), moment=np.zeros(2))
-            assert world.inertias @ after ** 2 <= world.inertias @ v ** 2 * (1.0 + 1e-12)
+            _, after, _, _ = one_step(
+                world, q, v, friction=friction, load=np.zeros(5), moment=np.zeros(2)
+            )
+            assert world.inertias @ after**2 <= world.inertias @ v**2 * (1.0 + 1e-12)
 
 
 def test_a_motion_without_load_never_gains_energy():
@@ -143,10 +169,10 @@ def test_a_motion_without_load_never_gains_energy():
     for seed in range(4):
         q, work = start_configuration(HEPTAGON), work_of(world)
         v = np.random.default_rng(seed).normal(size=5) * [0.2, 0.2, 3.0, 1.0, 1.0]
-        levels = [world.inertias @ v ** 2 / 2]
+        levels = [world.inertias @ v**2 / 2]
         for _ in range(500):
             q, v, _, _ = one_step(world, q, v, load=np.zeros(5), moment=np.zeros(2), work=work)
-            levels.append(world.inertias @ v ** 2 / 2)
+            levels.append(world.inertias @ v**2 / 2)
         assert np.diff(levels).max() < 1e-6 * levels[0] and levels[-1] < levels[0]
 
 
@@ -192,7 +218,13 @@ def test_contact_forces_between_object_and_finger_are_equal_and_opposite():
     def about_axis(rate):
         p = world.inertias[:2] * rate[:2]
         arm = q[:2] - world.fingers[0, :2]
-        return arm[0] * p[1] - arm[1] * p[0] + world.inertias[2] * rate[2] + world.inertias[3] * rate[3]
+        return (
+            arm[0] * p[1]
+            - arm[1] * p[0]
+            + world.inertias[2] * rate[2]
+            + world.inertias[3] * rate[3]
+        )
+
     assert about_axis(after) == pytest.approx(about_axis(v), abs=1e-12)
 
 
@@ -208,9 +240,30 @@ def test_the_compiled_loop_is_stepping_with_pd_delay_and_clipping():
     sides, gain = np.where(t < 0.1, 0, 1), np.array([0.97, 1.0])
     q, v = start.copy(), np.zeros(5)
     record = np.empty((12, 5)), np.empty((12, 5))
-    count, residual = stepping.run_trajectory(
-        *world.geometry, world.corners, world.inertias, world.load, world.finger_moment, world.torque_limits, 0.02, gain,
-        delay, kp, kd, H, 0.004, angles, rates, efforts, sides, 0, q, v, 20, *record)
+    count, residual = time_stepping.run_trajectory(
+        *world.geometry,
+        world.corners,
+        world.inertias,
+        world.load,
+        world.finger_moment,
+        world.torque_limits,
+        0.02,
+        gain,
+        delay,
+        kp,
+        kd,
+        H,
+        0.004,
+        angles,
+        rates,
+        efforts,
+        sides,
+        0,
+        q,
+        v,
+        20,
+        *record,
+    )
 
     mine, speed, work, past = start.copy(), np.zeros(5), work_of(world), []
     seen = []
@@ -225,7 +278,9 @@ def test_the_compiled_loop_is_stepping_with_pd_delay_and_clipping():
         asked = (1 - u) * efforts[i] + u * efforts[i + 1]
         asked[side] += kp * (wanted - mine[3 + side]) + kd * (rate - speed[3 + side])
         past.append(np.clip(asked, -world.torque_limits, world.torque_limits))
-        applied = gain * past[max(n - delay, 0)]  # until the first command can have come, it is there already
+        applied = (
+            gain * past[max(n - delay, 0)]
+        )  # until the first command can have come, it is there already
         mine, speed, _, _ = one_step(world, mine, speed, efforts=applied, friction=0.02, work=work)
     assert count == 11 and residual <= 1e-9
     np.testing.assert_allclose(record[0][:10], seen, atol=1e-6)
@@ -248,7 +303,12 @@ def test_a_vertex_that_slides_off_a_finger_s_tip_meets_nothing(side, vertex, lea
     outwards = np.arctan2(*normals.sum(axis=0)[::-1])
     q[2] = np.arctan2(-inner[1], -inner[0]) - outwards + lean
     c, s = np.cos(q[2]), np.sin(q[2])
-    q[:2] = axis + (length - 0.003) * u + half * inner - np.array([[c, -s], [s, c]]) @ world.obj[vertex, :2]
+    q[:2] = (
+        axis
+        + (length - 0.003) * u
+        + half * inner
+        - np.array([[c, -s], [s, c]]) @ world.obj[vertex, :2]
+    )
     v[:2] = 0.3 * u
     for _ in range(20):
         q, after, _, _ = one_step(world, q, v, load=np.zeros(5), moment=np.zeros(2), work=work)

@@ -1,4 +1,5 @@
 """Cages against the height of the centroid on a fine grid: what gravity alone does to a frictionless polygon."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +13,9 @@ GRID = 20_000
 def height(polygon, angles, floor=0.0):
     """(k,) [m] of the centroid when the lowest vertex touches a palm of direction `floor`, measured across the palm."""
     v = polygon.vertices_about_centroid
-    return -(np.sin(angles - floor)[:, None] * v[:, 0] + np.cos(angles - floor)[:, None] * v[:, 1]).min(axis=1)
+    return -(
+        np.sin(angles - floor)[:, None] * v[:, 0] + np.cos(angles - floor)[:, None] * v[:, 1]
+    ).min(axis=1)
 
 
 @given(polygons())
@@ -35,7 +38,10 @@ def test_from_the_top_the_height_falls_all_the_way_and_rises_beyond_the_landing(
     """So the object cannot come to rest before it lands, and does not tip over with less energy than the barrier."""
     for cage in cages_between(polygon, -1.0, -1.0 + 2.0 * np.pi):
         assert cage.top < cage.landing < cage.beyond
-        down, up = (height(polygon, np.linspace(*ends, 500)) for ends in ((cage.top, cage.landing), (cage.landing, cage.beyond)))
+        down, up = (
+            height(polygon, np.linspace(*ends, 500))
+            for ends in ((cage.top, cage.landing), (cage.landing, cage.beyond))
+        )
         assert (np.diff(down) < 1e-12).all() and (np.diff(up) > -1e-12).all()
         assert cage.drop == pytest.approx(down[0] - down[-1], abs=1e-12) and cage.drop > 0.0
         assert cage.barrier == pytest.approx(up[-1] - up[0], abs=1e-12) and cage.barrier > 0.0
@@ -57,7 +63,9 @@ def test_a_tilted_palm_turns_the_cages_with_it(polygon):
     tilted = cages_between(polygon, 0.2, 6.2, floor=0.2)
     assert len(level) == len(tilted)
     for a, b in zip(level, tilted):
-        np.testing.assert_allclose([b.top, b.landing, b.beyond], np.add([a.top, a.landing, a.beyond], 0.2), atol=1e-9)
+        np.testing.assert_allclose(
+            [b.top, b.landing, b.beyond], np.add([a.top, a.landing, a.beyond], 0.2), atol=1e-9
+        )
         np.testing.assert_allclose([b.drop, b.barrier], [a.drop, a.barrier], atol=1e-12)
 
 
@@ -77,5 +85,7 @@ def test_cages_lie_in_the_stretch_asked_for_and_in_order():
     landings = [c.landing for c in cages]
     assert landings == sorted(landings) and all(0.0 < a <= 2.5 + 1e-6 for a in landings)
     assert cages_between(polygon, 0.0, 0.5) == ()
-    assert len(cages_between(polygon, 0.0, 2.5 + 2.0 * np.pi)) == len(cages) + len(cages_between(polygon, 2.5, 2.5 + 2.0 * np.pi))
+    assert len(cages_between(polygon, 0.0, 2.5 + 2.0 * np.pi)) == len(cages) + len(
+        cages_between(polygon, 2.5, 2.5 + 2.0 * np.pi)
+    )
     assert 0.0 < PAST_THE_TOP < min(c.landing - c.top for c in cages)

@@ -1,4 +1,5 @@
 """Contact names, the contact state matrix, and how the hand closes on the object."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,18 @@ from problems import ASYMMETRIC, ON_BENT_PALM, SHIPPED, scenarios
 
 from wholearm_ros.errors import ScenarioError
 from wholearm_ros.kernels import geometry
-from wholearm_ros.mechanics.contacts import (close_finger, closed_pairs, contact_rows, contact_state_matrix, deepest_penetration,
-                                             four_contact_subsets, gap_table, pair_from_name, pair_name, start_configuration)
+from wholearm_ros.mechanics.contacts import (
+    close_finger,
+    closed_pairs,
+    contact_rows,
+    contact_state_matrix,
+    deepest_penetration,
+    four_contact_subsets,
+    gap_table,
+    pair_from_name,
+    pair_name,
+    start_configuration,
+)
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.convex import separation
 from wholearm_ros.model.scenario import StartAtPose
@@ -34,7 +45,19 @@ def test_every_contact_has_a_name_of_its_own_that_leads_back_to_it(scenario):
     assert len(set(names)) == len(pairs) and [pair_from_name(n) for n in names] == pairs
 
 
-@pytest.mark.parametrize('name', ['', 'v0', 'v0:palm', 'v0:middle.inner', 'v0:left.e0', 'vx:palm.e0', 'v256:palm.e0', 'v0:palm.e-1'])
+@pytest.mark.parametrize(
+    'name',
+    [
+        '',
+        'v0',
+        'v0:palm',
+        'v0:middle.inner',
+        'v0:left.e0',
+        'vx:palm.e0',
+        'v256:palm.e0',
+        'v0:palm.e-1',
+    ],
+)
 def test_what_is_not_a_name_is_refused(name):
     with pytest.raises((ValueError, KeyError)):
         pair_from_name(name)
@@ -47,7 +70,9 @@ def test_the_contact_state_matrix_has_a_place_for_every_pair_and_no_two_share_on
     n = len(world.obj)
     for code in pairs:
         rows, columns = np.nonzero(contact_state_matrix(world, (code,)))
-        assert len(rows) == 1 and rows[0] == geometry.pair_object_feature(code) + n * geometry.pair_kind(code)
+        assert len(rows) == 1 and rows[0] == geometry.pair_object_feature(
+            code
+        ) + n * geometry.pair_kind(code)
     assert contact_state_matrix(world, pairs).sum() == len(pairs)
     assert not contact_state_matrix(world, ()).any()
 
@@ -72,9 +97,16 @@ def test_a_start_on_an_edge_touches_palm_and_fingers_and_penetrates_nothing(scen
     assert np.abs(contact_rows(world, on_palm, q)[1]).max() <= 1e-9
     assert gaps.min() >= -1e-9
     assert all(gaps[bodies == body].min() <= 1e-9 for body in range(3))
-    assert q[0] == scenario.start.x and {int(geometry.pair_body(c)) for c in closed_pairs(world, q)} == {0, 1, 2}
+    assert q[0] == scenario.start.x and {
+        int(geometry.pair_body(c)) for c in closed_pairs(world, q)
+    } == {0, 1, 2}
     for side in range(2):
-        assert abs(separation(object_outline(scenario, q), finger_outline(scenario, side, q[3 + side]))) < 1e-8
+        assert (
+            abs(
+                separation(object_outline(scenario, q), finger_outline(scenario, side, q[3 + side]))
+            )
+            < 1e-8
+        )
 
 
 @pytest.mark.parametrize('name', SHIPPED)

@@ -1,11 +1,12 @@
 """Our time stepping against PyBullet, an engine of other authors, on motions with all contacts and with none."""
+
 import numpy as np
 import pytest
 from problems import ASYMMETRIC, HEPTAGON, REGULAR
 
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.mechanics.world import build_world
-from wholearm_ros.simulation.backend import make_hand
+from wholearm_ros.simulation.hand import make_hand
 
 pytest.importorskip('pybullet')
 RATE = 1000.0
@@ -33,20 +34,31 @@ def sweep(scenario, side, speed, torque):
     def drive(t, angles, velocities):
         u = min(t / 0.1, 1.0)
         rate = speed * u * u * (3.0 - 2.0 * u)
-        way = speed * (u ** 3 - 0.5 * u ** 4) * 0.1 + speed * max(t - 0.1, 0.0)
+        way = speed * (u**3 - 0.5 * u**4) * 0.1 + speed * max(t - 0.1, 0.0)
         efforts = world.finger_moment * np.cos(angles)
         efforts[side] += 60.0 * (begin[side] + way - angles[side]) + 1.5 * (rate - velocities[side])
         efforts[1 - side] += torque * min(t / 0.05, 1.0)
         return efforts
+
     return drive
 
 
-@pytest.mark.parametrize('scenario, side, speed, torque', [
-    (ASYMMETRIC, 0, -0.6, 0.15), (ASYMMETRIC, 1, 0.6, -0.15), (REGULAR, 0, -0.6, 0.1), (HEPTAGON, 0, -0.4, 0.1),
-], ids=['asymmetric_to_the_right', 'asymmetric_to_the_left', 'regular', 'heptagon'])
+@pytest.mark.parametrize(
+    'scenario, side, speed, torque',
+    [
+        (ASYMMETRIC, 0, -0.6, 0.15),
+        (ASYMMETRIC, 1, 0.6, -0.15),
+        (REGULAR, 0, -0.6, 0.1),
+        (HEPTAGON, 0, -0.4, 0.1),
+    ],
+    ids=['asymmetric_to_the_right', 'asymmetric_to_the_left', 'regular', 'heptagon'],
+)
 def test_a_slide_between_the_fingers_is_what_pybullet_makes_of_it(scenario, side, speed, torque):
     """0.4 s, the object moves by more than 1 cm: poses differ by at most 0.1 mm and 1 mrad all the way."""
-    ours, theirs = (motion(backend, scenario, sweep(scenario, side, speed, torque), 0.4) for backend in ('planar', 'pybullet'))
+    ours, theirs = (
+        motion(backend, scenario, sweep(scenario, side, speed, torque), 0.4)
+        for backend in ('planar', 'pybullet')
+    )
     assert np.abs(theirs[-1, 0] - theirs[0, 0]) > 0.01
     difference = np.abs(ours - theirs)
     assert difference[:, :2].max() < 1e-4 and difference[:, 2:].max() < 1e-3
@@ -57,7 +69,10 @@ def test_an_opened_hand_lets_the_object_stand_in_both():
 
     def open_up(t, angles, velocities):
         return world.finger_moment * np.cos(angles) + [0.3, -0.3] - 0.1 * velocities
+
     ours, theirs = (motion(backend, ASYMMETRIC, open_up, 0.3) for backend in ('planar', 'pybullet'))
-    np.testing.assert_allclose(ours[:, :3], np.tile(start_configuration(ASYMMETRIC)[:3], (300, 1)), atol=1e-6)
+    np.testing.assert_allclose(
+        ours[:, :3], np.tile(start_configuration(ASYMMETRIC)[:3], (300, 1)), atol=1e-6
+    )
     np.testing.assert_allclose(ours[:, 3:], theirs[:, 3:], atol=2e-3)
     np.testing.assert_allclose(ours[:, :3], theirs[:, :3], atol=1e-4)

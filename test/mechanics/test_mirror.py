@@ -1,4 +1,5 @@
 """Mirror images: of a mirror image is the original, and mechanics does not know left from right."""
+
 import numpy as np
 import pytest
 from problems import ASYMMETRIC, ON_BENT_PALM, REGULAR, random_configuration
@@ -8,13 +9,17 @@ from wholearm_ros.mechanics.mirror import mirror_configurations, mirror_contacts
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.scenario_file import scenario_to_dict
 
-SCENARIOS = pytest.mark.parametrize('scenario', [ASYMMETRIC, REGULAR, ON_BENT_PALM], ids=['asymmetric', 'regular', 'bent'])
+SCENARIOS = pytest.mark.parametrize(
+    'scenario', [ASYMMETRIC, REGULAR, ON_BENT_PALM], ids=['asymmetric', 'regular', 'bent']
+)
 RNG = np.random.default_rng(60)
 
 
 @SCENARIOS
 def test_a_scenario_mirrored_twice_is_itself(scenario):
-    image, back = (scenario_to_dict(s) for s in (scenario.mirrored(), scenario.mirrored().mirrored()))
+    image, back = (
+        scenario_to_dict(s) for s in (scenario.mirrored(), scenario.mirrored().mirrored())
+    )
     assert image != scenario_to_dict(scenario)
     assert_close(back, scenario_to_dict(scenario))
 
@@ -43,7 +48,15 @@ def test_configurations_mirrored_twice_are_themselves():
 @SCENARIOS
 def test_contact_names_mirrored_twice_are_themselves_and_no_two_share_an_image(scenario):
     world = build_world(scenario)
-    names = tuple(sorted({pair_name(c) for _ in range(40) for c in gap_table(world, random_configuration(RNG))[1]}))
+    names = tuple(
+        sorted(
+            {
+                pair_name(c)
+                for _ in range(40)
+                for c in gap_table(world, random_configuration(RNG))[1]
+            }
+        )
+    )
     images = mirror_contacts(names, scenario)
     assert mirror_contacts(images, scenario) == names and len(set(images)) == len(names)
 
@@ -55,8 +68,17 @@ def test_a_pair_and_its_image_have_the_same_gap_and_mirrored_rows(scenario):
     for _ in range(20):
         q = random_configuration(RNG)
         gaps, codes = gap_table(world, q)
-        images = [pair_from_name(n) for n in mirror_contacts(tuple(map(pair_name, codes)), scenario)]
-        (rows, direct), (image_rows, mirrored) = contact_rows(world, codes, q), contact_rows(other, images, mirror_configurations(q))
+        images = [
+            pair_from_name(n) for n in mirror_contacts(tuple(map(pair_name, codes)), scenario)
+        ]
+        (rows, direct), (image_rows, mirrored) = (
+            contact_rows(world, codes, q),
+            contact_rows(other, images, mirror_configurations(q)),
+        )
         np.testing.assert_allclose(mirrored, direct, atol=1e-13)
-        np.testing.assert_allclose(image_rows, rows[:, [0, 1, 2, 4, 3]] * [-1, 1, -1, -1, -1], atol=1e-13)
-        np.testing.assert_allclose(np.sort(gap_table(other, mirror_configurations(q))[0]), np.sort(gaps), atol=1e-13)
+        np.testing.assert_allclose(
+            image_rows, rows[:, [0, 1, 2, 4, 3]] * [-1, 1, -1, -1, -1], atol=1e-13
+        )
+        np.testing.assert_allclose(
+            np.sort(gap_table(other, mirror_configurations(q))[0]), np.sort(gaps), atol=1e-13
+        )

@@ -1,4 +1,5 @@
 """Scenario files: what is refused and how it is told; what is read is what was meant."""
+
 import copy
 import json
 from pathlib import Path
@@ -46,8 +47,18 @@ BAD = [
     ('object.vertices', [V[0], V[2], V[1], V[3]], 'object.vertices', 'cross'),
     ('object.vertices', STAR, 'object.vertices', 'cross'),
     ('object.vertices', V + V, 'object.vertices', 'cross'),
-    ('object.vertices', V[:3] + [[0.03, 0.06]] + V[4:], 'object.vertices', 'not convex (at vertex 3)'),
-    ('object.vertices', [[0, 0], [0.05, 0], [0.1, 0], [0.05, 0.1]], 'object.vertices', 'degenerate'),
+    (
+        'object.vertices',
+        V[:3] + [[0.03, 0.06]] + V[4:],
+        'object.vertices',
+        'not convex (at vertex 3)',
+    ),
+    (
+        'object.vertices',
+        [[0, 0], [0.05, 0], [0.1, 0], [0.05, 0.1]],
+        'object.vertices',
+        'degenerate',
+    ),
     ('object.vertices', V[:1] + V, 'object.vertices', 'degenerate'),
     ('object.vertices', [[0, 0], [0.05, 0], [0.1, 1e-9]], 'object.vertices', 'degenerate'),
     ('object.vertices', V[:2], 'object.vertices', 'at least 3'),
@@ -55,7 +66,12 @@ BAD = [
     ('object.vertices', [[NAN, 0.0]] + V[1:], 'object.vertices[0][0]', 'finite'),
     ('object.vertices', [[INF, 0.0]] + V[1:], 'object.vertices[0][0]', ''),
     ('object.vertices', [['0', 0.0]] + V[1:], 'object.vertices[0][0]', "got '0'"),
-    ('object.vertices', [[1000 * x, 1000 * y] for x, y in V], 'object.vertices[1][0]', 'less than or equal to 10'),
+    (
+        'object.vertices',
+        [[1000 * x, 1000 * y] for x, y in V],
+        'object.vertices[1][0]',
+        'less than or equal to 10',
+    ),
     ('object.vertices', 'a hexagon', 'object.vertices', 'a list'),
     ('object.vertices', MISSING, 'object.vertices', 'missing'),
     ('object.mass', -0.3, 'object.mass', 'got -0.3; allowed: greater than 0'),
@@ -87,9 +103,24 @@ BAD = [
     ('start.x', 0.2, 'start.x', 'not over the palm'),
     ('start', {'edge': 0, 'x': 0.0, 'fingers': [1.5, 1.6]}, 'start.fingers', 'unknown key'),
     ('start', {'pose': [0.0, 0.058, 0.0]}, 'start.fingers', 'missing'),
-    ('start', {'pose': [0.0, 0.04, 0.0], 'fingers': [2.5, 0.5]}, 'start', 'penetrates the palm by 18.01 mm'),
-    ('start', {'pose': [0.0, 0.058014, 0.0], 'fingers': [1.0, 0.5]}, 'start.fingers[0]', 'penetrates the object'),
-    ('start', {'pose': [0.0, 0.058014, 0.0], 'fingers': [2.5, 3.1]}, 'start.fingers[1]', 'allowed: 0.05 to 3.09'),
+    (
+        'start',
+        {'pose': [0.0, 0.04, 0.0], 'fingers': [2.5, 0.5]},
+        'start',
+        'penetrates the palm by 18.01 mm',
+    ),
+    (
+        'start',
+        {'pose': [0.0, 0.058014, 0.0], 'fingers': [1.0, 0.5]},
+        'start.fingers[0]',
+        'penetrates the object',
+    ),
+    (
+        'start',
+        {'pose': [0.0, 0.058014, 0.0], 'fingers': [2.5, 3.1]},
+        'start.fingers[1]',
+        'allowed: 0.05 to 3.09',
+    ),
     ('goal.edge', 7, 'goal.edge', 'the object has 6 edges'),
     ('goal.direction', 'left', 'goal.direction', "'ccw' or 'cw'"),
     ('goal.direction', MISSING, 'goal.direction', 'missing'),
@@ -101,12 +132,16 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize('path, value, key, words', BAD, ids=[f'{k}-{b[0]}' for k, b in enumerate(BAD)])
+@pytest.mark.parametrize(
+    'path, value, key, words', BAD, ids=[f'{k}-{b[0]}' for k, b in enumerate(BAD)]
+)
 def test_a_bad_scenario_is_refused_with_source_key_and_what_is_allowed(path, value, key, words):
     with pytest.raises(ScenarioError) as told:
         parse_scenario(changed(path, value), 'bad.yaml')
     lines = str(told.value).splitlines()
-    assert any(line.startswith(f'bad.yaml: {key}: ') and words in line for line in lines), str(told.value)
+    assert any(line.startswith(f'bad.yaml: {key}: ') and words in line for line in lines), str(
+        told.value
+    )
 
 
 def test_an_edge_that_cannot_carry_the_object_is_refused():
@@ -114,7 +149,9 @@ def test_an_edge_that_cannot_carry_the_object_is_refused():
     assert not Polygon(tall).can_rest_on(0)
     document = changed('object.vertices', tall)
     document['goal'] = {'edge': 0, 'direction': 'ccw'}
-    with pytest.raises(ScenarioError, match=r'goal\.edge: got 0, on which the object cannot rest.*allowed: '):
+    with pytest.raises(
+        ScenarioError, match=r'goal\.edge: got 0, on which the object cannot rest.*allowed: '
+    ):
         parse_scenario(document)
 
 
@@ -132,7 +169,10 @@ def test_every_problem_is_told_not_only_the_first():
 def test_shipped_scenarios_turn_one_face_counter_clockwise(name):
     scenario = load_scenario(CONFIG / f'{name}.yaml')
     assert scenario.name == name
-    assert scenario.object.polygon.can_rest_on(scenario.start.edge) and scenario.goal.direction == 'ccw'
+    assert (
+        scenario.object.polygon.can_rest_on(scenario.start.edge)
+        and scenario.goal.direction == 'ccw'
+    )
 
 
 @pytest.mark.parametrize('name', SHIPPED)
@@ -152,7 +192,11 @@ def test_numbers_survive_to_the_last_bit(tilt, x, mass):
     document['gravity']['tilt_deg'] = float(np.degrees(tilt))
     scenario = parse_scenario(document)
     again = parse_scenario(scenario_to_dict(scenario))
-    assert (again.gravity.tilt, again.start.x, again.object.mass) == (scenario.gravity.tilt, x, mass)
+    assert (again.gravity.tilt, again.start.x, again.object.mass) == (
+        scenario.gravity.tilt,
+        x,
+        mass,
+    )
 
 
 def test_optional_keys_and_other_kinds_of_start_and_goal():
@@ -164,7 +208,9 @@ def test_optional_keys_and_other_kinds_of_start_and_goal():
     document['goal'] = {'pose': [0.0, 0.1, 1.1]}
     scenario = parse_scenario(document)
     assert isinstance(scenario.start, StartAtPose) and isinstance(scenario.goal, GoalAtPose)
-    assert scenario_to_dict(parse_scenario(scenario_to_dict(scenario))) == scenario_to_dict(scenario)
+    assert scenario_to_dict(parse_scenario(scenario_to_dict(scenario))) == scenario_to_dict(
+        scenario
+    )
 
 
 @given(radii=st.lists(st.floats(0.03, 0.06), min_size=3, max_size=8), seed=st.integers(0, 99))
@@ -173,9 +219,13 @@ def test_random_polygons_are_accepted_when_convex_and_told_apart_when_not(radii,
     n = len(radii)
     angles = 2 * np.pi * (np.arange(n) + 0.3 * np.random.default_rng(seed).uniform(-1, 1, n)) / n
     vertices = np.stack([np.cos(angles), np.sin(angles)], axis=1) * np.array(radii)[:, None]
-    before, after = vertices - np.roll(vertices, 1, axis=0), np.roll(vertices, -1, axis=0) - vertices
+    before, after = (
+        vertices - np.roll(vertices, 1, axis=0),
+        np.roll(vertices, -1, axis=0) - vertices,
+    )
     sines = (before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) / (
-        np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1))
+        np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    )
     document = changed('object.vertices', vertices.tolist())
     polygon = Polygon(vertices)
     stable = [k for k in range(n) if polygon.can_rest_on(k)]
@@ -191,7 +241,9 @@ def test_random_polygons_are_accepted_when_convex_and_told_apart_when_not(radii,
 def test_the_start_is_the_one_that_the_mechanics_find():
     for x in (-0.04, 0.0, 0.03):
         scenario = parse_scenario(changed('start', {'edge': 0, 'x': x}))
-        np.testing.assert_allclose(start_pose(scenario), start_configuration(scenario)[:3], atol=1e-12)
+        np.testing.assert_allclose(
+            start_pose(scenario), start_configuration(scenario)[:3], atol=1e-12
+        )
     document = changed('palm.vertices', [[-0.15, 0.02], [-0.05, 0.0], [0.15, 0.04]])
     document['start'] = {'edge': 0, 'x': 0.05}
     scenario = parse_scenario(document)
@@ -206,18 +258,21 @@ def write(tmp_path, text, name='s.yaml'):
     return path
 
 
-@pytest.mark.parametrize('text, words', [
-    ('object: [1, 2', 'is not YAML or JSON'),
-    ('object: {}\nobject: {}', "key 'object' is given twice"),
-    ('a: &a {b: 1}\nc: *a', 'alias'),
-    ('', 'got nothing'),
-    ('- 1\n- 2', 'got list'),
-    (b'\xff\xfe\x00', 'UTF-8'),
-    (b'\x00\x01', 'is not YAML or JSON'),
-    ('x' * (MAX_BYTES + 1), 'at most'),
-    ('a: !!python/object/apply:os.getcwd []', 'is not YAML or JSON'),
-    ('[' * 5000, 'not'),
-])
+@pytest.mark.parametrize(
+    'text, words',
+    [
+        ('object: [1, 2', 'is not YAML or JSON'),
+        ('object: {}\nobject: {}', "key 'object' is given twice"),
+        ('a: &a {b: 1}\nc: *a', 'alias'),
+        ('', 'got nothing'),
+        ('- 1\n- 2', 'got list'),
+        (b'\xff\xfe\x00', 'UTF-8'),
+        (b'\x00\x01', 'is not YAML or JSON'),
+        ('x' * (MAX_BYTES + 1), 'at most'),
+        ('a: !!python/object/apply:os.getcwd []', 'is not YAML or JSON'),
+        ('[' * 5000, 'not'),
+    ],
+)
 def test_a_file_that_is_no_scenario_is_refused_by_name(tmp_path, text, words):
     path = write(tmp_path, text)
     with pytest.raises(ScenarioError) as told:
@@ -234,17 +289,29 @@ def test_a_file_that_is_not_there_and_a_directory_are_refused(tmp_path):
 def test_numbers_with_exponents_are_numbers(tmp_path):
     text = yaml.safe_dump(changed('object.mass', 123.0)).replace('123.0', '353e-3')
     assert load_scenario(write(tmp_path, text)).object.mass == 0.353
-    assert load_scenario(write(tmp_path, json.dumps(changed('object.mass', 1e-5)), 's.json')).object.mass == 1e-5
+    assert (
+        load_scenario(
+            write(tmp_path, json.dumps(changed('object.mass', 1e-5)), 's.json')
+        ).object.mass
+        == 1e-5
+    )
 
 
 # ---------------------------------------------------------------------- anything at all
-JSON = st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-                    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
-                    max_leaves=6)
-PATHS = sorted({row[0] for row in BAD} | {'palm', 'hand', 'object', 'goal', 'gravity.acceleration', 'hand.left.mass'})
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
+    max_leaves=6,
+)
+PATHS = sorted(
+    {row[0] for row in BAD}
+    | {'palm', 'hand', 'object', 'goal', 'gravity.acceleration', 'hand.left.mass'}
+)
 
 
-@given(path=st.sampled_from(PATHS), value=JSON | st.just(10 ** 400) | st.just(-10 ** 400))
+@given(path=st.sampled_from(PATHS), value=JSON | st.just(10**400) | st.just(-(10**400)))
 @settings(max_examples=200, deadline=None)
 def test_whatever_stands_at_a_key_is_either_read_or_refused(path, value):
     try:

@@ -1,4 +1,5 @@
 """The document wholearm-contact-plan/1: there and back without loss, and whatever is damaged is refused."""
+
 import json
 
 import numpy as np
@@ -9,20 +10,30 @@ from problems import ASYMMETRIC, REGULAR, SQUARE
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.planning.search import RANDOM, SearchOptions, plan
+from wholearm_ros.planning.routes import RANDOM, SearchOptions, plan
 
 PLAN = plan(ASYMMETRIC)
 TEXT = PLAN.to_json()
 DOCUMENT = json.loads(TEXT)
 
 
-@pytest.mark.parametrize('made', [PLAN, plan(REGULAR, SearchOptions(RANDOM, 4)), plan(SQUARE), plan(ASYMMETRIC.mirrored()),
-                                  PLAN.with_execution({'torque_margin': 1.5})],
-                         ids=['best', 'random', 'none', 'clockwise', 'executed'])
+@pytest.mark.parametrize(
+    'made',
+    [
+        PLAN,
+        plan(REGULAR, SearchOptions(RANDOM, 4)),
+        plan(SQUARE),
+        plan(ASYMMETRIC.mirrored()),
+        PLAN.with_execution({'torque_margin': 1.5}),
+    ],
+    ids=['best', 'random', 'none', 'clockwise', 'executed'],
+)
 def test_a_plan_survives_its_document(made):
     """The same bytes, id and arrays."""
     read = ContactPlan.from_json(made.to_json())
-    assert read.to_json() == made.to_json() and read.id == made.id and read.summary() == made.summary()
+    assert (
+        read.to_json() == made.to_json() and read.id == made.id and read.summary() == made.summary()
+    )
     np.testing.assert_array_equal(read.object_path(), made.object_path())
 
 
@@ -42,7 +53,7 @@ def test_a_truncated_document_is_refused(length):
 @settings(max_examples=100)
 def test_a_changed_byte_is_noticed(place, byte):
     """Refused, or (a digit beyond a double's precision, a space) still the very same plan."""
-    damaged = TEXT[:place] + byte + TEXT[place + 1:]
+    damaged = TEXT[:place] + byte + TEXT[place + 1 :]
     try:
         read = ContactPlan.from_json(damaged)
     except DocumentError:
@@ -57,7 +68,10 @@ def test_any_other_text_is_refused(data):
         ContactPlan.from_json(data.decode('latin-1'))
 
 
-@pytest.mark.parametrize('text', ['', 'null', '[]', '{}', '7', '"plan"', '[' * 100_000, '{"format": "wholearm-contact-plan/1"}'])
+@pytest.mark.parametrize(
+    'text',
+    ['', 'null', '[]', '{}', '7', '"plan"', '[' * 100_000, '{"format": "wholearm-contact-plan/1"}'],
+)
 def test_what_is_no_plan_document_is_refused(text):
     with pytest.raises(DocumentError):
         ContactPlan.from_json(text)
@@ -75,7 +89,9 @@ def test_a_changed_number_is_an_id_that_does_not_match():
 
 
 @pytest.mark.parametrize('key', [k for k in DOCUMENT if k not in ('format', 'id')])
-@pytest.mark.parametrize('value', [None, 'x', 5, [], {}, [1], [[]], {'a': 1}, True, 1e999, 10 ** 400], ids=str)
+@pytest.mark.parametrize(
+    'value', [None, 'x', 5, [], {}, [1], [[]], {'a': 1}, True, 1e999, 10**400], ids=str
+)
 def test_a_wrong_type_anywhere_at_the_top_is_refused(key, value):
     if DOCUMENT[key] == value:
         return
@@ -83,7 +99,9 @@ def test_a_wrong_type_anywhere_at_the_top_is_refused(key, value):
         ContactPlan.from_json(json.dumps({**DOCUMENT, key: value}))
 
 
-@pytest.mark.parametrize('value', [None, 'x', [], {}, float('nan'), 1e999, 10 ** 400, [1.0, 2.0]], ids=lambda v: str(v)[:8])
+@pytest.mark.parametrize(
+    'value', [None, 'x', [], {}, float('nan'), 1e999, 10**400, [1.0, 2.0]], ids=lambda v: str(v)[:8]
+)
 def test_a_wrong_number_inside_is_refused(value):
     for place in ('subgoals', 'legs'):
         damaged = json.loads(TEXT)

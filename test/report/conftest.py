@@ -1,4 +1,5 @@
 """One planned and executed run for all tests of the reports, and the same run as bags written without ROS."""
+
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,9 @@ from rosbags.typesys import Stores, get_typestore
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.offer import Request, offer
+from wholearm_ros.planner.planner import Request, offer
 from wholearm_ros.report.run_view import view_of
-from wholearm_ros.simulation.run import run
+from wholearm_ros.simulation.closed_loop import run
 
 CONFIG = Path(__file__).parents[2] / 'config'
 CLOCK = 5.0  # [s] of the bag's stamps at the first setpoint
@@ -62,6 +63,7 @@ def _write(writer, plan, trajectory, record):
         if topic not in connections:
             connections[topic] = writer.add_connection(f'/wholearm/{topic}', kind, typestore=STORE)
         writer.write(connections[topic], round(seconds * 1e9), STORE.serialize_cdr(message, kind))
+
     put('contact_state_planner/contact_plan', 1.0, string(plan.to_json()))
     put('trajectory_generator/manipulation_trajectory', 2.0, string(trajectory.to_json()))
     put('mode_switcher/mode', CLOCK, string('dwell'))
@@ -69,16 +71,36 @@ def _write(writer, plan, trajectory, record):
     for k, own in enumerate(record.times):
         s = own + offset
         names = list(JOINT_NAMES)[::-1]  # a hand may name them in any order
-        put('joint_states', s, joint(header(s), names, *(np.array(values[k][::-1]) for values in
-                                                         (record.angles, record.velocities, record.efforts))))
+        put(
+            'joint_states',
+            s,
+            joint(
+                header(s),
+                names,
+                *(
+                    np.array(values[k][::-1])
+                    for values in (record.angles, record.velocities, record.efforts)
+                ),
+            ),
+        )
         if own - record.times[0] <= ramp + trajectory.duration:
-            put('velocity_setpoint', s, joint(header(s), names[:1], np.zeros(1), np.zeros(1), np.zeros(1)))
+            put(
+                'velocity_setpoint',
+                s,
+                joint(header(s), names[:1], np.zeros(1), np.zeros(1), np.zeros(1)),
+            )
         if k % 10 == 0:
             x, y, turn = record.poses[k]
-            pose = t['geometry_msgs/msg/Pose'](t['geometry_msgs/msg/Point'](x, y, 0.0), t['geometry_msgs/msg/Quaternion'](
-                0.0, 0.0, np.sin(turn / 2), np.cos(turn / 2)))
+            pose = t['geometry_msgs/msg/Pose'](
+                t['geometry_msgs/msg/Point'](x, y, 0.0),
+                t['geometry_msgs/msg/Quaternion'](0.0, 0.0, np.sin(turn / 2), np.cos(turn / 2)),
+            )
             put('object_pose', s, t['geometry_msgs/msg/PoseStamped'](header(s), pose))
     over = CLOCK + ramp + trajectory.duration
     values = {'outcome': 'succeeded', 'reason': 'led to its end', 'stamp': str(round(over * 1e9))}
     pairs = [t['diagnostic_msgs/msg/KeyValue'](key, value) for key, value in values.items()]
-    put('trajectory_generator/result', over, t['diagnostic_msgs/msg/DiagnosticStatus'](0, 'generator', '', '', pairs))
+    put(
+        'trajectory_generator/result',
+        over,
+        t['diagnostic_msgs/msg/DiagnosticStatus'](0, 'generator', '', '', pairs),
+    )

@@ -1,4 +1,5 @@
 """README and docs: Python snippets run, commands exist with the options shown, links lead somewhere, images are small."""
+
 import json
 import os
 import re
@@ -10,22 +11,36 @@ from pathlib import Path
 import pytest
 import typer
 
-from wholearm_ros.cli import app
+from wholearm_ros.cli.main import app
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.model.yaml_text import parse_mapping
 
 from .test_sources import SUITE
 
 ROOT = Path(__file__).parents[2]
-OWN = ('README.md', 'CONTRIBUTING.md', 'CHANGELOG.md', 'docs/concepts.md', 'docs/your_polygon.md', 'docs/your_hand.md',
-       'docs/figures.md', 'docs/performance.md', 'bags/README.md')
+OWN = (
+    'README.md',
+    'CONTRIBUTING.md',
+    'CHANGELOG.md',
+    'docs/concepts.md',
+    'docs/your_polygon.md',
+    'docs/your_hand.md',
+    'docs/figures.md',
+    'docs/performance.md',
+    'bags/README.md',
+)
 LAYOUT = ROOT / 'config' / 'foxglove_layout.json'
 OTHERS = ('docs/ros.md', 'docs/faults.md')  # written beside these; each may come later
 
 
 def blocks(language: str):
-    return [pytest.param(text, id=f'{name}-{k}') for name in OWN for k, text in enumerate(
-        re.findall(rf'```{language}\n(.*?)```', (ROOT / name).read_text(), flags=re.S))]
+    return [
+        pytest.param(text, id=f'{name}-{k}')
+        for name in OWN
+        for k, text in enumerate(
+            re.findall(rf'```{language}\n(.*?)```', (ROOT / name).read_text(), flags=re.S)
+        )
+    ]
 
 
 @pytest.mark.parametrize('snippet', blocks('python'))
@@ -43,8 +58,14 @@ def test_scenarios_are_accepted(snippet):
 
 
 def command_lines():
-    return sorted({line.split('  #')[0].strip() for block in blocks('bash') for line in block.values[0].splitlines()
-                   if line.strip()})
+    return sorted(
+        {
+            line.split('  #')[0].strip()
+            for block in blocks('bash')
+            for line in block.values[0].splitlines()
+            if line.strip()
+        }
+    )
 
 
 @pytest.mark.parametrize('line', command_lines())
@@ -55,7 +76,9 @@ def test_commands_parse(line):
     elif words[0] == 'make':
         assert re.search(rf'^{words[1]}:', (ROOT / 'Makefile').read_text(), flags=re.M)
     elif words[0] == 'python':
-        told = subprocess.run([sys.executable, ROOT / words[1], '--help'], capture_output=True, text=True, timeout=100).stdout
+        told = subprocess.run(
+            [sys.executable, ROOT / words[1], '--help'], capture_output=True, text=True, timeout=100
+        ).stdout
         assert all(word in told for word in words[2:] if word.startswith('-'))
     elif words[0] == 'dask':
         assert words[1] in ('scheduler', 'worker')
@@ -69,28 +92,49 @@ def test_commands_parse(line):
         assert (ROOT / words[0]).exists()
 
 
-@pytest.mark.parametrize('name', [name for name in OWN if 'wholearm ' in ''.join(re.findall(
-    r'```bash\n(.*?)```', (ROOT / name).read_text(), flags=re.S))])
+@pytest.mark.parametrize(
+    'name',
+    [
+        name
+        for name in OWN
+        if 'wholearm '
+        in ''.join(re.findall(r'```bash\n(.*?)```', (ROOT / name).read_text(), flags=re.S))
+    ],
+)
 def test_wholearm_commands_run_one_after_the_other(name, bag_mcap, tmp_path):
     """As a reader would: in a directory with config/, benchmarks/ (a short suite) and what the page tells to be there."""
     for directory in ('config', 'bags'):
         (tmp_path / directory).symlink_to(ROOT / directory)
     (tmp_path / 'benchmarks').mkdir()
     suite = json.loads((ROOT / 'benchmarks' / 'suite.json').read_text())
-    (tmp_path / 'benchmarks' / 'suite.json').write_text(json.dumps({**suite, 'tasks': suite['tasks'][:1]}))
-    (tmp_path / 'my_pentagon.yaml').write_text(re.findall(r'```yaml\n(.*?)```', (ROOT / 'docs/your_polygon.md').read_text(), flags=re.S)[0])
+    (tmp_path / 'benchmarks' / 'suite.json').write_text(
+        json.dumps({**suite, 'tasks': suite['tasks'][:1]})
+    )
+    (tmp_path / 'my_pentagon.yaml').write_text(
+        re.findall(r'```yaml\n(.*?)```', (ROOT / 'docs/your_polygon.md').read_text(), flags=re.S)[0]
+    )
     if name != 'README.md':  # there, a command makes it
         (tmp_path / 'runs').mkdir()
         (tmp_path / 'runs' / 'first').symlink_to(bag_mcap)
     for result in ('nominal.json', 'perturbed.json'):
         (tmp_path / result).write_text(json.dumps(SUITE))
-    environment = {**os.environ, 'ROS_DOMAIN_ID': str(10 + os.getpid() % 92), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    environment = {
+        **os.environ,
+        'ROS_DOMAIN_ID': str(10 + os.getpid() % 92),
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+    }
     for block in re.findall(r'```bash\n(.*?)```', (ROOT / name).read_text(), flags=re.S):
         for line in block.splitlines():
             words = shlex.split(line, comments=True)
             if words[:1] == ['wholearm'] and '--scheduler' not in words:
-                done = subprocess.run([sys.executable, '-m', 'wholearm_ros', *words[1:]], cwd=tmp_path, env=environment,
-                                      capture_output=True, text=True, timeout=200)
+                done = subprocess.run(
+                    [sys.executable, '-m', 'wholearm_ros', *words[1:]],
+                    cwd=tmp_path,
+                    env=environment,
+                    capture_output=True,
+                    text=True,
+                    timeout=200,
+                )
                 assert done.returncode == 0, f'{line}\n{done.stdout[-2000:]}{done.stderr[-2000:]}'
 
 
@@ -122,7 +166,7 @@ def test_images_are_used_and_small():
 
 
 def test_layouts_name_topics_that_exist():
-    channels = (ROOT / 'wholearm_ros' / 'ros' / 'channels.py').read_text()
+    channels = (ROOT / 'wholearm_ros' / 'ros' / 'interface' / 'channels.py').read_text()
     for text in (LAYOUT.read_text(), (ROOT / 'config' / 'wholearm.rviz').read_text()):
         named = re.findall(r'/wholearm/([a-z_/]+)', text)
         assert named and all(f"'{topic}'" in channels for topic in named)
@@ -140,14 +184,19 @@ def test_the_foxglove_layout_is_of_the_shape_that_is_imported():
         assert node['direction'] in ('row', 'column')
         walk(node['first'])
         walk(node['second'])
+
     walk(layout['layout'])
     assert sorted(placed) == sorted(layout['configById'])
     hand = layout['configById']['3D!scene']['layers']['hand']
-    assert hand['layerId'] == 'foxglove.Urdf' and hand['sourceType'] == 'topic' and hand['controlMode'] == 'jointStates'
+    assert (
+        hand['layerId'] == 'foxglove.Urdf'
+        and hand['sourceType'] == 'topic'
+        and hand['controlMode'] == 'jointStates'
+    )
 
 
 def test_paths_of_the_foxglove_layout_are_fields_of_the_messages():
-    channels = pytest.importorskip('wholearm_ros.ros.channels', reason='needs ROS 2')
+    channels = pytest.importorskip('wholearm_ros.ros.interface.channels', reason='needs ROS 2')
     types = {topic.name: topic.type for topic in channels.TOPICS}
     panels = json.loads(LAYOUT.read_text())['configById'].values()
     paths = [path['value'] for panel in panels for path in panel.get('paths', ())]

@@ -1,4 +1,5 @@
 """What the figures show is what the run did."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -6,15 +7,20 @@ import pytest
 from PIL import Image
 
 from wholearm_ros.model.hand import CLOSING
-from wholearm_ros.report.figures import write_figures
-from wholearm_ros.report.mode_spans import executed_spans, key_instants, planned_spans
-from wholearm_ros.report.outlines import finger_outline, object_outline, touching
+from wholearm_ros.report.figures.figures import write_figures
+from wholearm_ros.report.figures.mode_spans import executed_spans, key_instants, planned_spans
+from wholearm_ros.report.figures.outlines import finger_outline, object_outline, touching
 from wholearm_ros.report.run_view import controlled, errors, setpoints_at
 
 
 def test_figures_are_written_and_not_empty(told, tmp_path):
     written = write_figures(tmp_path / 'new', *told)
-    assert [path.name for path in written] == ['contact_states.png', 'torque_and_angle.png', 'film_strip.png', 'animation.gif']
+    assert [path.name for path in written] == [
+        'contact_states.png',
+        'torque_and_angle.png',
+        'film_strip.png',
+        'animation.gif',
+    ]
     for path in written:
         with Image.open(path) as image:
             assert len(image.convert('RGB').getcolors(maxcolors=1 << 20)) > 8
@@ -32,7 +38,9 @@ def test_executed_values_are_those_of_the_finger_in_that_role(told):
         assert both.torque_side[k] == side
         assert both.torque[k] == CLOSING[side] * run.efforts[k, side]
         assert both.angle[k] == run.angles[k, segment.velocity_finger]
-        assert both.planned_angle[k] == pytest.approx(trajectory.sample(run.times[k]).angles[segment.velocity_finger], abs=1e-9)
+        assert both.planned_angle[k] == pytest.approx(
+            trajectory.sample(run.times[k]).angles[segment.velocity_finger], abs=1e-9
+        )
 
 
 def test_planned_torque_lies_in_the_range_that_is_hatched(told):
@@ -40,7 +48,9 @@ def test_planned_torque_lies_in_the_range_that_is_hatched(told):
     low, high = both.torque_range.T
     known = np.isfinite(low)
     assert known.any()
-    assert (both.planned_torque[known] > low[known] - 0.05).all() and (both.planned_torque[known] < high[known] + 0.05).all()
+    assert (both.planned_torque[known] > low[known] - 0.05).all() and (
+        both.planned_torque[known] < high[known] + 0.05
+    ).all()
 
 
 def test_setpoints_are_the_trajectorys_own(told):
@@ -55,13 +65,20 @@ def test_setpoints_are_the_trajectorys_own(told):
 def test_a_run_without_error_has_none(told):
     _, trajectory, run = told
     values = errors(trajectory, run)
-    assert 0.0 < values['velocity finger, RMS error'][0] <= values['velocity finger, largest error'][0] < 200.0
+    assert (
+        0.0
+        < values['velocity finger, RMS error'][0]
+        <= values['velocity finger, largest error'][0]
+        < 200.0
+    )
 
 
 def test_modes_cover_the_run_without_gaps(told):
     _, trajectory, run = told
-    for spans, first, last in ((executed_spans(run), run.times[0], run.times[-1]),
-                               (planned_spans(trajectory), 0.0, trajectory.duration)):
+    for spans, first, last in (
+        (executed_spans(run), run.times[0], run.times[-1]),
+        (planned_spans(trajectory), 0.0, trajectory.duration),
+    ):
         assert spans[0][0] == first and spans[-1][1] == pytest.approx(last)
         assert all(a[1] == b[0] and a[2] != b[2] for a, b in zip(spans, spans[1:]))
     instants = key_instants(trajectory, run)
@@ -71,10 +88,16 @@ def test_modes_cover_the_run_without_gaps(told):
 def test_outlines_are_rigid(told):
     scenario = told[0].scenario
     finger = scenario.hand.left
-    sides = np.linalg.norm(np.diff(finger_outline(finger, 1.1), axis=0, append=finger_outline(finger, 1.1)[:1]), axis=1)
+    sides = np.linalg.norm(
+        np.diff(finger_outline(finger, 1.1), axis=0, append=finger_outline(finger, 1.1)[:1]), axis=1
+    )
     assert sorted(np.round(sides, 9)) == sorted([2 * finger.half_width] * 2 + [finger.length] * 2)
     moved = object_outline(scenario, np.array([0.1, 0.2, 0.7]))
-    assert np.allclose(moved.mean(axis=0), object_outline(scenario, np.array([0.1, 0.2, -0.7])).mean(axis=0), atol=0.02)
+    assert np.allclose(
+        moved.mean(axis=0),
+        object_outline(scenario, np.array([0.1, 0.2, -0.7])).mean(axis=0),
+        atol=0.02,
+    )
 
 
 def test_what_touches_at_the_start_are_four_contacts_or_more(told):

@@ -1,11 +1,12 @@
 """The contact-state graph: nothing overlaps, the route is one red line, what is left out is counted."""
+
 import numpy as np
 import pytest
 
 from wholearm_ros.model.plan import X_END, X_GOAL, X_INIT, X_START, ContactPlan, Subgoal, Y
-from wholearm_ros.report.canvas import svg_text
-from wholearm_ros.report.graph_figure import draw_graph
-from wholearm_ros.report.graph_layout import lay_out
+from wholearm_ros.report.figures.canvas import svg_text
+from wholearm_ros.report.figures.graph_figure import draw_graph
+from wholearm_ros.report.figures.graph_layout import lay_out
 
 
 def random_tree(scenario, size: int, seed: int) -> ContactPlan:
@@ -15,16 +16,34 @@ def random_tree(scenario, size: int, seed: int) -> ContactPlan:
     subgoals = [Subgoal(1, X_INIT, q, ())]
     after = {X_INIT: X_START, Y: X_START, X_START: X_END, X_END: Y}
     for number in range(2, size + 1):
-        free = [s for s in subgoals if s.kind in (X_INIT, Y) or all(o.parent != s.number for o in subgoals)]
+        free = [
+            s
+            for s in subgoals
+            if s.kind in (X_INIT, Y) or all(o.parent != s.number for o in subgoals)
+        ]
         parent = free[rng.integers(len(free))]
-        subgoals.append(Subgoal(number, after[parent.kind], q, (), int(rng.choice([-1, 1])), parent.number))
-    path, parents = [max(s.number for s in subgoals if s.kind == X_START)], {s.number: s.parent for s in subgoals}
+        subgoals.append(
+            Subgoal(number, after[parent.kind], q, (), int(rng.choice([-1, 1])), parent.number)
+        )
+    path, parents = (
+        [max(s.number for s in subgoals if s.kind == X_START)],
+        {s.number: s.parent for s in subgoals},
+    )
     while parents[path[0]] is not None:
         path.insert(0, parents[path[0]])
     last = path[-1]
     subgoals[last - 1] = Subgoal(last, X_GOAL, q, (), 1, parents[last])
     subgoals = [s for s in subgoals if s.parent != last]
-    return ContactPlan(scenario, 'random', 0, 'found', '', {}, tuple(s for s in subgoals if _rooted(s, subgoals)), tuple(path))
+    return ContactPlan(
+        scenario,
+        'random',
+        0,
+        'found',
+        '',
+        {},
+        tuple(s for s in subgoals if _rooted(s, subgoals)),
+        tuple(path),
+    )
 
 
 def _rooted(subgoal, subgoals):

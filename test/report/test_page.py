@@ -1,4 +1,5 @@
 """The page stands alone, and a real browser opens it: no errors, the slider moves the drawing, it fits every width."""
+
 import json
 import re
 import shutil
@@ -7,13 +8,20 @@ import numpy as np
 import pytest
 
 from wholearm_ros.model.scenario_file import scenario_to_dict
-from wholearm_ros.report.page import page
-from wholearm_ros.report.run_page import run_page
-from wholearm_ros.report.suite_page import suite_page
+from wholearm_ros.report.html.page import page
+from wholearm_ros.report.html.run_page import run_page
+from wholearm_ros.report.html.suite_page import suite_page
 
 from .test_sources import SUITE
 
-CHROMIUM = next((path for name in ('chromium', 'chromium-browser', 'google-chrome') if (path := shutil.which(name))), None)
+CHROMIUM = next(
+    (
+        path
+        for name in ('chromium', 'chromium-browser', 'google-chrome')
+        if (path := shutil.which(name))
+    ),
+    None,
+)
 DRIVER = shutil.which('chromedriver')
 WIDTHS = [(1280, 900), (390, 844)]  # [pixel] a desk, a phone
 
@@ -34,7 +42,12 @@ def test_the_page_asks_for_nothing_from_outside(text):
 
 
 def test_data_cannot_end_its_script():
-    assert '</script><script>' not in page('t', '', {'name': '</script><script>alert(1)'}, 'suite.js').split('REPORT = ')[1][:80]
+    assert (
+        '</script><script>'
+        not in page('t', '', {'name': '</script><script>alert(1)'}, 'suite.js').split('REPORT = ')[
+            1
+        ][:80]
+    )
 
 
 def test_the_page_holds_what_the_run_was(told, text):
@@ -44,7 +57,13 @@ def test_the_page_holds_what_the_run_was(told, text):
     assert data['times'][0] == pytest.approx(run.times[0], abs=1e-3)
     found = list(data['subgoal_times'].values())
     assert found == sorted(found) and len(found) == len(plan.path)
-    for what in (plan.id, trajectory.segments[0].contacts[0], 'asymmetric_hexagon', 'numpy', 'the object rests on its goal'):
+    for what in (
+        plan.id,
+        trajectory.segments[0].contacts[0],
+        'asymmetric_hexagon',
+        'numpy',
+        'the object rests on its goal',
+    ):
         assert what in text
 
 
@@ -67,27 +86,43 @@ def browser():
 
 def opened(browser, path, width, height):
     browser.execute_cdp_cmd('Network.enable', {})
-    browser.execute_cdp_cmd('Network.emulateNetworkConditions', {'offline': True, 'latency': 0, 'downloadThroughput': 0,
-                                                                 'uploadThroughput': 0})
-    browser.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {'width': width, 'height': height, 'deviceScaleFactor': 1,
-                                                                   'mobile': width < 600})
+    browser.execute_cdp_cmd(
+        'Network.emulateNetworkConditions',
+        {'offline': True, 'latency': 0, 'downloadThroughput': 0, 'uploadThroughput': 0},
+    )
+    browser.execute_cdp_cmd(
+        'Emulation.setDeviceMetricsOverride',
+        {'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': width < 600},
+    )
     browser.get(path.as_uri())
     assert browser.get_log('browser') == []
-    assert browser.execute_script('return document.documentElement.scrollWidth <= window.innerWidth')
+    assert browser.execute_script(
+        'return document.documentElement.scrollWidth <= window.innerWidth'
+    )
 
 
 def theme(browser, scheme, plot='plots') -> tuple:
     """Colours of the page and of the plot's text once the system's theme is `scheme`."""
-    browser.execute_cdp_cmd('Emulation.setEmulatedMedia', {'features': [{'name': 'prefers-color-scheme', 'value': scheme}]})
-    return tuple(browser.execute_async_script(
-        "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done(["
-        f"getComputedStyle(document.body).backgroundColor, document.getElementById('{plot}').layout.font.color])))"))
+    browser.execute_cdp_cmd(
+        'Emulation.setEmulatedMedia',
+        {'features': [{'name': 'prefers-color-scheme', 'value': scheme}]},
+    )
+    return tuple(
+        browser.execute_async_script(
+            'const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done(['
+            f"getComputedStyle(document.body).backgroundColor, document.getElementById('{plot}').layout.font.color])))"
+        )
+    )
 
 
-SLIDE = ("const s = document.getElementById('time'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
-         "return [document.getElementById('object').getAttribute('transform'), document.getElementById('now').textContent]")
-CURSOR = ("const done = arguments[0]; requestAnimationFrame(() => setTimeout(() => {"
-          "const s = document.getElementById('plots').layout.shapes; done(s[s.length - 1].x0)}, 50))")
+SLIDE = (
+    "const s = document.getElementById('time'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
+    "return [document.getElementById('object').getAttribute('transform'), document.getElementById('now').textContent]"
+)
+CURSOR = (
+    'const done = arguments[0]; requestAnimationFrame(() => setTimeout(() => {'
+    "const s = document.getElementById('plots').layout.shapes; done(s[s.length - 1].x0)}, 50))"
+)
 
 
 @pytest.mark.parametrize('width, height', WIDTHS)
@@ -96,17 +131,23 @@ def test_the_slider_moves_the_drawing_and_the_cursor(browser, told, text, tmp_pa
     path.write_text(text, encoding='utf-8')
     opened(browser, path, width, height)
     seen = [browser.execute_script(SLIDE, t) for t in (0.0, 1.0, trajectory.duration)]
-    assert len({transform for transform, _ in seen}) == 3 and all(f'{t:.2f} s' in now for t, (_, now) in zip((0.0, 1.0), seen))
+    assert len({transform for transform, _ in seen}) == 3 and all(
+        f'{t:.2f} s' in now for t, (_, now) in zip((0.0, 1.0), seen)
+    )
     assert browser.execute_async_script(CURSOR) == pytest.approx(trajectory.duration, abs=0.01)
     light, dark = theme(browser, 'light'), theme(browser, 'dark')
     assert light[0] == 'rgb(255, 255, 255)' != dark[0] and light[1] != dark[1]
     browser.execute_script(SLIDE, 0.0)
-    browser.execute_script(f"document.getElementById('subgoal-{plan.path[-1]}').dispatchEvent(new Event('click'))")
+    browser.execute_script(
+        f"document.getElementById('subgoal-{plan.path[-1]}').dispatchEvent(new Event('click'))"
+    )
     assert float(browser.execute_script("return document.getElementById('time').value")) > 1.0
     browser.execute_script(SLIDE, 0.0)
     browser.execute_script("document.getElementById('play').click()")
-    assert browser.execute_async_script("const done = arguments[0], s = document.getElementById('time');"
-                                        "const wait = () => s.value > 0.1 ? done(true) : requestAnimationFrame(wait); wait()")
+    assert browser.execute_async_script(
+        "const done = arguments[0], s = document.getElementById('time');"
+        'const wait = () => s.value > 0.1 ? done(true) : requestAnimationFrame(wait); wait()'
+    )
     assert browser.get_log('browser') == []
 
 
@@ -119,8 +160,10 @@ def suite_text(told):
     return suite_page([{**SUITE, 'tasks': [first, SUITE['tasks'][1]]}])
 
 
-MOVE = ("const s = document.querySelector('#details input'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
-        "return [document.getElementById('object').getAttribute('transform'), document.querySelector('#details .chip').textContent]")
+MOVE = (
+    "const s = document.querySelector('#details input'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
+    "return [document.getElementById('object').getAttribute('transform'), document.querySelector('#details .chip').textContent]"
+)
 
 
 @pytest.mark.parametrize('width, height', WIDTHS)
@@ -130,13 +173,23 @@ def test_a_task_of_a_suite_opens_and_its_run_plays(browser, suite_text, tmp_path
     opened(browser, path, width, height)
     browser.execute_script("document.querySelector('#tiles button').click()")
     assert 'fell' in browser.execute_script("return document.getElementById('details').textContent")
-    assert browser.execute_async_script("const done = arguments[0], s = document.querySelector('#details input');"
-                                        "const wait = () => s.value > 0.1 ? done(true) : requestAnimationFrame(wait); wait()")
+    assert browser.execute_async_script(
+        "const done = arguments[0], s = document.querySelector('#details input');"
+        'const wait = () => s.value > 0.1 ? done(true) : requestAnimationFrame(wait); wait()'
+    )
     seen = [browser.execute_script(MOVE, t) for t in (0.2, 2.0, 100.0)]
-    assert len({transform for transform, _ in seen}) == 3 and seen[0][1] == 'dwell' and seen[2][1] == 'done'
-    assert browser.execute_script('return document.documentElement.scrollWidth <= window.innerWidth')
+    assert (
+        len({transform for transform, _ in seen}) == 3
+        and seen[0][1] == 'dwell'
+        and seen[2][1] == 'done'
+    )
+    assert browser.execute_script(
+        'return document.documentElement.scrollWidth <= window.innerWidth'
+    )
     assert theme(browser, 'light', 'times') != theme(browser, 'dark', 'times')
     browser.execute_script("document.querySelectorAll('#tiles button')[1].click()")
-    assert 'exhausted' in browser.execute_script("return document.getElementById('details').textContent")
+    assert 'exhausted' in browser.execute_script(
+        "return document.getElementById('details').textContent"
+    )
     assert browser.execute_script("return document.querySelector('#details svg')") is None
     assert browser.get_log('browser') == []

@@ -1,4 +1,5 @@
 """A graph of real node processes in a DDS domain of its own, and a client in it."""
+
 import itertools
 import os
 from pathlib import Path

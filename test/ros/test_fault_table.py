@@ -1,4 +1,5 @@
 """docs/faults.md: every row names tests, and they exist."""
+
 import re
 from pathlib import Path
 
@@ -8,7 +9,9 @@ ROWS = [line.strip('|\n').split('|') for line in TABLE.splitlines() if line.star
 
 
 def test_every_row_has_a_test_that_exists():
-    known = set(re.findall(r'def (test_\w+)', ''.join(p.read_text() for p in HERE.glob('test_*.py'))))
+    known = set(
+        re.findall(r'def (test_\w+)', ''.join(p.read_text() for p in HERE.glob('test_*.py')))
+    )
     known |= {p.name for p in HERE.glob('test_*.py')}
     assert len(ROWS) > 15
     for what, _, tests in ROWS:

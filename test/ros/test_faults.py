@@ -1,4 +1,5 @@
 """What can go wrong on the real graph, and what each node does about it (docs/faults.md)."""
+
 import os
 import resource
 import signal
@@ -11,32 +12,42 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
+from ros_graph import ALL, WAIT
 from rosbags.highlevel import AnyReader
 
-from ros_graph import ALL, WAIT
+from wholearm_ros.bag.reader import Bag
+from wholearm_ros.launcher.launcher import LOOP_PRIORITY
+from wholearm_ros.launcher.processes import NodeDied, Processes
 from wholearm_ros.model.hand import JOINT_NAMES
-from wholearm_ros.ros import channels
-from wholearm_ros.ros.bag_reader import Bag
-from wholearm_ros.ros.joint_wire import reading_of, write_joints
-from wholearm_ros.ros.launcher import LOOP_PRIORITY
-from wholearm_ros.ros.messages import values_of
-from wholearm_ros.ros.processes import NodeDied, Processes
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.joint_state_serialization import reading_of, write_joints
+from wholearm_ros.ros.interface.messages import values_of
 
 pytestmark = [pytest.mark.faults, pytest.mark.timeout(400)]
 
 
-REALTIME = {'motor_rate': 250.0, 'priority': LOOP_PRIORITY}  # slow enough for a machine with other things to do
+REALTIME = {
+    'motor_rate': 250.0,
+    'priority': LOOP_PRIORITY,
+}  # slow enough for a machine with other things to do
 
 
 def started(graph, pacing, **parameters):
     """The graph, ready and with a plan; (modes, diagnostics by node), which grow."""
     loop = REALTIME if pacing == 'realtime' else {'motor_rate': 250.0}
     own = {'hand_hardware': loop, 'torque_controller': loop}
-    graph.start(ALL, pacing, **{**own, **{node: {**own.get(node, {}), **more} for node, more in parameters.items()}})
+    graph.start(
+        ALL,
+        pacing,
+        **{**own, **{node: {**own.get(node, {}), **more} for node, more in parameters.items()}},
+    )
     modes, said = graph.listen(channels.MODE), {}
-    graph.node.create_subscription(channels.DIAGNOSTICS.type, channels.DIAGNOSTICS.name,
-                                   lambda m: said.update({s.name.split('/')[-1]: s for s in m.status}),
-                                   channels.DIAGNOSTICS.qos)
+    graph.node.create_subscription(
+        channels.DIAGNOSTICS.type,
+        channels.DIAGNOSTICS.name,
+        lambda m: said.update({s.name.split('/')[-1]: s for s in m.status}),
+        channels.DIAGNOSTICS.qos,
+    )
     graph.client.wait_for_graph(WAIT)
     graph.plan()
     graph.client.watch = lambda: None
@@ -66,7 +77,11 @@ def run_into(graph, modes, said, mode: str):
 @pytest.mark.parametrize('mode', ['quasi_static', 'dynamic', 'caging'])
 @pytest.mark.parametrize('victim', ['velocity_controller', 'torque_controller', 'mode_switcher'])
 def test_a_node_killed_in_any_mode_leaves_the_hand_safe(graph, victim, mode):
-    modes, said = started(graph, 'realtime', contact_state_planner={'transition': 'dynamic' if mode == 'dynamic' else 'auto'})
+    modes, said = started(
+        graph,
+        'realtime',
+        contact_state_planner={'transition': 'dynamic' if mode == 'dynamic' else 'auto'},
+    )
     run_into(graph, modes, said, mode)
     os.kill(graph.processes.pid(victim), signal.SIGKILL)
     graph.wait(lambda: drives(said) == 'limp', 'zero torque')
@@ -78,7 +93,11 @@ def test_a_node_killed_in_any_mode_leaves_the_hand_safe(graph, victim, mode):
 
 @pytest.mark.parametrize('mode', ['quasi_static', 'dynamic', 'caging'])
 def test_the_hardware_killed_in_any_mode_stops_the_run(graph, mode):
-    modes, said = started(graph, 'realtime', contact_state_planner={'transition': 'dynamic' if mode == 'dynamic' else 'auto'})
+    modes, said = started(
+        graph,
+        'realtime',
+        contact_state_planner={'transition': 'dynamic' if mode == 'dynamic' else 'auto'},
+    )
     run_into(graph, modes, said, mode)
     os.kill(graph.processes.pid('hand_hardware'), signal.SIGKILL)
     graph.wait(lambda: graph.client.heard.result, 'result')
@@ -88,7 +107,9 @@ def test_the_hardware_killed_in_any_mode_stops_the_run(graph, mode):
 
 
 @pytest.mark.parametrize('victim', ['trajectory_generator', 'contact_state_planner'])
-def test_planner_or_generator_killed_while_running_is_noticed_and_the_run_goes_to_its_end(graph, victim):
+def test_planner_or_generator_killed_while_running_is_noticed_and_the_run_goes_to_its_end(
+    graph, victim
+):
     modes, said = started(graph, 'lockstep')
     run_into(graph, modes, said, 'quasi_static')
     os.kill(graph.processes.pid(victim), signal.SIGKILL)
@@ -115,7 +136,10 @@ def test_the_stop_of_the_hardware_holds_until_its_reset(graph):
     assert said['hand_hardware'].level == DiagnosticStatus.ERROR
     states = graph.listen(channels.JOINT_STATES)
     graph.wait(lambda: len(states) > 250 and drives(said) == 'stopped', 'a second of holding')
-    assert abs(reading_of(states[-1]).velocity[0]) < 0.1 and abs(reading_of(states[-1]).velocity[1]) < 0.1
+    assert (
+        abs(reading_of(states[-1]).velocity[0]) < 0.1
+        and abs(reading_of(states[-1]).velocity[1]) < 0.1
+    )
     assert graph.client.call(channels.RESET, WAIT).success
     graph.wait(lambda: drives(said) != 'stopped', 'the reset')
 
@@ -148,9 +172,14 @@ def test_two_nodes_of_one_name_give_the_same_run(graph, tmp_path):
     (tmp_path / 'twin').mkdir()
     with Processes(tmp_path / 'twin') as twins:
         twins.start('velocity_controller', {})
-        graph.wait(lambda: graph.node.count_publishers(channels.JOINT_COMMANDS.name) == 3, 'the twin')
+        graph.wait(
+            lambda: graph.node.count_publishers(channels.JOINT_COMMANDS.name) == 3, 'the twin'
+        )
         assert graph.execute(graph.client.heard.plan.id)['outcome'] == 'succeeded'
-        graph.wait(lambda: int(values_of(said['hand_hardware'])['late commands']) > 100, 'the second commands to be dropped')
+        graph.wait(
+            lambda: int(values_of(said['hand_hardware'])['late commands']) > 100,
+            'the second commands to be dropped',
+        )
 
 
 def test_a_second_launcher_in_one_domain_is_refused_and_the_first_goes_on(domain):
@@ -159,7 +188,9 @@ def test_a_second_launcher_in_one_domain_is_refused_and_the_first_goes_on(domain
     try:
         assert any('planning' in line for line in iter(first.stdout.readline, ''))
         second = subprocess.run(command, text=True, capture_output=True, timeout=WAIT)
-        assert second.returncode == 1 and f'ROS_DOMAIN_ID: got {domain}' in second.stdout.replace('\n', ' ')
+        assert second.returncode == 1 and f'ROS_DOMAIN_ID: got {domain}' in second.stdout.replace(
+            '\n', ' '
+        )
         told, _ = first.communicate(timeout=WAIT)
         assert first.returncode == 0, told
     finally:
@@ -167,8 +198,12 @@ def test_a_second_launcher_in_one_domain_is_refused_and_the_first_goes_on(domain
 
 
 def test_the_launcher_killed_takes_its_nodes_with_it(domain):
-    run = subprocess.Popen([sys.executable, '-m', 'wholearm_ros', 'run'], text=True, stdout=subprocess.PIPE,
-                           stderr=subprocess.STDOUT)
+    run = subprocess.Popen(
+        [sys.executable, '-m', 'wholearm_ros', 'run'],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
     assert any('planning' in line for line in iter(run.stdout.readline, ''))
     children = children_of(run.pid)
     assert len(children) >= len(ALL)
@@ -181,13 +216,21 @@ def test_a_full_disk_ends_the_bag_at_its_last_checkpoint_and_says_so(graph, tmp_
     path, said = tmp_path / 'bag', {}
     graph.processes.start('bag_recorder', {'path': str(path)})
     graph.start(('hand_hardware',), 'realtime', hand_hardware={'motor_rate': 250.0})
-    graph.node.create_subscription(channels.DIAGNOSTICS.type, channels.DIAGNOSTICS.name,
-                                   lambda m: said.update({s.name.split('/')[-1]: s for s in m.status}),
-                                   channels.DIAGNOSTICS.qos)
+    graph.node.create_subscription(
+        channels.DIAGNOSTICS.type,
+        channels.DIAGNOSTICS.name,
+        lambda m: said.update({s.name.split('/')[-1]: s for s in m.status}),
+        channels.DIAGNOSTICS.qos,
+    )
     bag = path / 'bag.mcap'
     graph.wait(lambda: bag.exists() and bag.stat().st_size > 100_000, 'the bag to grow')
-    resource.prlimit(graph.processes.pid('bag_recorder'), resource.RLIMIT_FSIZE, (bag.stat().st_size + 1000,) * 2)
-    graph.wait(lambda: 'bag_recorder' in said and said['bag_recorder'].level == DiagnosticStatus.ERROR, 'the error')
+    resource.prlimit(
+        graph.processes.pid('bag_recorder'), resource.RLIMIT_FSIZE, (bag.stat().st_size + 1000,) * 2
+    )
+    graph.wait(
+        lambda: 'bag_recorder' in said and said['bag_recorder'].level == DiagnosticStatus.ERROR,
+        'the error',
+    )
     assert 'cannot be written' in said['bag_recorder'].message
     graph.processes.stop()
     with Bag(path) as opened:
@@ -212,7 +255,10 @@ def test_a_killed_recorder_leaves_a_bag_that_opens(graph, tmp_path, storage):
     graph.processes.start('bag_recorder', {'path': str(path), 'storage': storage})
     graph.start(('hand_hardware',), 'realtime')
     states = graph.listen(channels.JOINT_STATES)
-    graph.wait(lambda: (path / 'metadata.yaml').exists() and len(states) > 1500, 'a second and a half of states')
+    graph.wait(
+        lambda: (path / 'metadata.yaml').exists() and len(states) > 1500,
+        'a second and a half of states',
+    )
     os.kill(graph.processes.pid('bag_recorder'), signal.SIGKILL)
     killed = states[-1].header.stamp.sec + 1e-9 * states[-1].header.stamp.nanosec
     with AnyReader([path]) as reader:
@@ -223,14 +269,18 @@ def test_a_killed_recorder_leaves_a_bag_that_opens(graph, tmp_path, storage):
     graph.client.watch = lambda: None
 
 
-@pytest.mark.parametrize('node, parameters, told', [
-    ('bag_recorder', {'path': '/proc/nowhere/bag'}, 'cannot be written'),
-    ('bag_recorder', {'topics': ['nothing']}, 'allowed'),
-    ('bag_player', {'path': '/nowhere'}, 'no such bag'),
-    ('hand_hardware', {'motor_rate': 1e9}, 'motor_rate'),
-    ('hand_hardware', {'pacing': 'slow'}, "'realtime', 'lockstep'"),
-    ('velocity_controller', {'kp': float('nan')}, 'kp'),
-    ('hand_hardware', {'scenario': '/nowhere.yaml'}, '/nowhere.yaml')])
+@pytest.mark.parametrize(
+    'node, parameters, told',
+    [
+        ('bag_recorder', {'path': '/proc/nowhere/bag'}, 'cannot be written'),
+        ('bag_recorder', {'topics': ['nothing']}, 'allowed'),
+        ('bag_player', {'path': '/nowhere'}, 'no such bag'),
+        ('hand_hardware', {'motor_rate': 1e9}, 'motor_rate'),
+        ('hand_hardware', {'pacing': 'slow'}, "'realtime', 'lockstep'"),
+        ('velocity_controller', {'kp': float('nan')}, 'kp'),
+        ('hand_hardware', {'scenario': '/nowhere.yaml'}, '/nowhere.yaml'),
+    ],
+)
 def test_a_node_that_cannot_start_as_told_says_why(domain, tmp_path, node, parameters, told):
     command = [sys.executable, '-m', f'wholearm_ros.nodes.{node}', '--ros-args']
     for name, value in parameters.items():
@@ -245,10 +295,13 @@ def test_a_refused_parameter_says_why(graph):
     graph.wait(client.service_is_ready, 'parameter service')
 
     def set_to(name, value):
-        request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        request = SetParameters.Request(
+            parameters=[Parameter(name, value=value).to_parameter_msg()]
+        )
         future = client.call_async(request)
         graph.wait(future.done, 'answer')
         return future.result().results[0]
+
     assert set_to('kp', 25.0).successful
     for name, value in (('kp', -1.0), ('kp', float('nan')), ('kp', 'high'), ('scenario', 'other')):
         refused = set_to(name, value)
@@ -258,8 +311,12 @@ def test_a_refused_parameter_says_why(graph):
 @pytest.mark.parametrize('moment', ['starting', 'planning', 'executing'])
 def test_ctrl_c_leaves_no_process_and_no_shared_memory(domain, tmp_path, moment):
     before = set(Path('/dev/shm').iterdir())
-    run = subprocess.Popen([sys.executable, '-m', 'wholearm_ros', 'run', '--pacing', 'lockstep'], text=True,
-                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    run = subprocess.Popen(
+        [sys.executable, '-m', 'wholearm_ros', 'run', '--pacing', 'lockstep'],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
     sign = {'starting': 'starting', 'planning': 'planning', 'executing': 'dwell'}[moment]
     lines = iter(run.stdout.readline, '')
     assert any(sign in line for line in lines)
@@ -272,7 +329,11 @@ def test_ctrl_c_leaves_no_process_and_no_shared_memory(domain, tmp_path, moment)
 
 
 def children_of(pid: int) -> list:
-    return [int(child) for task in Path(f'/proc/{pid}/task').iterdir() for child in (task / 'children').read_text().split()]
+    return [
+        int(child)
+        for task in Path(f'/proc/{pid}/task').iterdir()
+        for child in (task / 'children').read_text().split()
+    ]
 
 
 def gone(pids, seconds: float = 30.0) -> bool:

@@ -1,14 +1,15 @@
 """The goal protocol on the real graph: accepted, rejected, executing, canceled, and again after a reset."""
+
 import uuid
 
 import pytest
 from action_msgs.msg import GoalStatus
-
 from ros_graph import ALL
-from wholearm_ros.ros import channels
-from wholearm_ros.ros.client import Client
-from wholearm_ros.ros.joint_wire import reading_of
-from wholearm_ros.ros.messages import to_joints, values_of
+
+from wholearm_ros.launcher.client import Client
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.joint_state_serialization import reading_of
+from wholearm_ros.ros.interface.messages import to_joints, values_of
 
 pytestmark = pytest.mark.timeout(280)
 
@@ -41,12 +42,18 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
     assert heard.result['outcome'] == 'canceled' and heard.result['reason'] == 'canceled'
     assert [s.status for s in status[-1].status_list][-1] == GoalStatus.STATUS_CANCELED
     assert modes[-1].data == 'stopped'
-    graph.wait(lambda: abs(to_joints(reading_of(states[-1]))[1].velocities).max() < 0.2, 'the fingers to come to rest and hold')
+    graph.wait(
+        lambda: abs(to_joints(reading_of(states[-1]))[1].velocities).max() < 0.2,
+        'the fingers to come to rest and hold',
+    )
 
     heard.result = {}
     graph.client.send_goal(plan.id)  # from where it was stopped: not the start of the trajectory
     graph.wait(lambda: heard.result, 'result')
-    assert heard.result['outcome'] == 'aborted' and 'from the start of the trajectory' in heard.result['reason']
+    assert (
+        heard.result['outcome'] == 'aborted'
+        and 'from the start of the trajectory' in heard.result['reason']
+    )
 
     for _ in range(2):
         assert graph.client.call(channels.RESET, 60.0).success
@@ -55,7 +62,12 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
         assert result['outcome'] == 'succeeded', result
     goals = [bytes(bytearray(s.goal_info.goal_id.uuid)) for s in status[-1].status_list]
     assert set(goals) == {uuid.UUID(plan.id).bytes} and len(goals) == 4
-    assert {values_of(r)['outcome'] for r in results} >= {'rejected', 'canceled', 'aborted', 'succeeded'}
+    assert {values_of(r)['outcome'] for r in results} >= {
+        'rejected',
+        'canceled',
+        'aborted',
+        'succeeded',
+    }
 
 
 def test_stop_holds_and_says_so(graph):
@@ -74,6 +86,7 @@ def test_stop_holds_and_says_so(graph):
 
 def test_poses_that_cannot_be_planned_are_answered(graph):
     from nav_msgs.srv import GetPlan
+
     graph.start(('contact_state_planner',))
     told = graph.listen(channels.PLANNER_STATUS)
     request = GetPlan.Request()

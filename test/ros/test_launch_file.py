@@ -3,6 +3,7 @@
 There is no wheel of `launch`: its few names are stood in for by records of what they were given. What `ros2 launch` makes of
 the file is tried where ROS 2 is installed.
 """
+
 import runpy
 import sys
 from pathlib import Path
@@ -10,13 +11,20 @@ from types import ModuleType
 
 import pytest
 
-from wholearm_ros.ros.launcher import RunOptions, node_parameters
+from wholearm_ros.launcher.launcher import RunOptions, node_parameters
 
 FILE = Path(__file__).parents[2] / 'launch' / 'wholearm.launch.py'
-NAMES = {'launch': ['LaunchDescription'], 'launch.actions': ['DeclareLaunchArgument', 'EmitEvent', 'RegisterEventHandler'],
-         'launch.conditions': ['LaunchConfigurationNotEquals'], 'launch.event_handlers': ['OnProcessExit'],
-         'launch.events': ['Shutdown'], 'launch.substitutions': ['LaunchConfiguration', 'PythonExpression'],
-         'launch_ros': [], 'launch_ros.actions': ['Node'], 'launch_ros.parameter_descriptions': ['ParameterValue']}
+NAMES = {
+    'launch': ['LaunchDescription'],
+    'launch.actions': ['DeclareLaunchArgument', 'EmitEvent', 'RegisterEventHandler'],
+    'launch.conditions': ['LaunchConfigurationNotEquals'],
+    'launch.event_handlers': ['OnProcessExit'],
+    'launch.events': ['Shutdown'],
+    'launch.substitutions': ['LaunchConfiguration', 'PythonExpression'],
+    'launch_ros': [],
+    'launch_ros.actions': ['Node'],
+    'launch_ros.parameter_descriptions': ['ParameterValue'],
+}
 
 
 class Record:
@@ -33,18 +41,27 @@ def description(monkeypatch):
         vars(stand_in).update({name: type(name, (Record,), {}) for name in names})
         monkeypatch.setitem(sys.modules, module, stand_in)
     parts = runpy.run_path(str(FILE))['generate_launch_description']().given[0]
-    return {kind: [part for part in parts if type(part).__name__ == kind] for kind in ('DeclareLaunchArgument', 'Node')}
+    return {
+        kind: [part for part in parts if type(part).__name__ == kind]
+        for kind in ('DeclareLaunchArgument', 'Node')
+    }
 
 
 def test_the_nodes_and_their_parameters_are_those_of_the_launcher(description):
-    started = {node.named['executable']: set(node.named['parameters'][0]) for node in description['Node']}
+    started = {
+        node.named['executable']: set(node.named['parameters'][0]) for node in description['Node']
+    }
     wanted = node_parameters(RunOptions('asymmetric_hexagon', record=Path('bag')))
     assert started == {name: set(parameters) for name, parameters in wanted.items()}
 
 
 def test_every_argument_is_used_and_every_used_one_is_declared_and_described(description):
-    declared = {argument.given[0]: argument.named for argument in description['DeclareLaunchArgument']}
-    assert all(told['description'] and isinstance(told['default_value'], str) for told in declared.values())
+    declared = {
+        argument.given[0]: argument.named for argument in description['DeclareLaunchArgument']
+    }
+    assert all(
+        told['description'] and isinstance(told['default_value'], str) for told in declared.values()
+    )
     used = set()
     for node in description['Node']:
         used |= set(_configurations(node))

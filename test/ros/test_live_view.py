@@ -1,4 +1,5 @@
 """The terminal's picture of a run: what it shows of an instant, in a real terminal of a real run, and lines without one."""
+
 import io
 import os
 import pty
@@ -12,10 +13,10 @@ from rich.console import Console
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
+from wholearm_ros.launcher.live_view import BAR, moment_of, picture, torque_bar, view_on  # noqa: E402
 from wholearm_ros.model.hand import CLOSING  # noqa: E402
 from wholearm_ros.model.scenario_file import load_scenario  # noqa: E402
-from wholearm_ros.offer import Request, offer  # noqa: E402
-from wholearm_ros.ros.live_view import BAR, moment_of, picture, torque_bar, view_on  # noqa: E402
+from wholearm_ros.planner.planner import Request, offer  # noqa: E402
 
 
 @pytest.fixture(scope='module')
@@ -40,7 +41,9 @@ def test_the_planned_torque_stands_in_the_shaded_range(trajectory):
         moment = moment_at(trajectory, 0.5 * (segment.start + segment.end))
         line = torque_bar(moment).plain
         assert len(line) == BAR and line.count('┃') == 1
-        assert set(line.replace('┃', '▒').strip('·')) == {'▒'} and torque_bar(moment).plain.strip('·')
+        assert set(line.replace('┃', '▒').strip('·')) == {'▒'} and torque_bar(moment).plain.strip(
+            '·'
+        )
         assert moment.torque_range[0] <= moment.torque <= moment.torque_range[1]
         seen += 1
     assert seen >= 2
@@ -60,10 +63,19 @@ def test_the_picture_tells_mode_time_angles_and_roles(trajectory):
     t = 0.5 * trajectory.duration
     moment, segment = moment_at(trajectory, t), trajectory.segment_at(t)
     text = shown(picture('executing', moment))
-    for word in ('executing', segment.mode.replace('_', '-'), f'{t:.2f} of {trajectory.duration:.2f} s', 'velocity', 'torque',
-                 *(f'{angle:.1f}°' for angle in np.degrees(moment.angles))):
+    for word in (
+        'executing',
+        segment.mode.replace('_', '-'),
+        f'{t:.2f} of {trajectory.duration:.2f} s',
+        'velocity',
+        'torque',
+        *(f'{angle:.1f}°' for angle in np.degrees(moment.angles)),
+    ):
         assert word in text
-    assert f'{CLOSING[segment.torque_finger] * trajectory.sample(t).efforts[segment.torque_finger]:+.2f} N m' in text
+    assert (
+        f'{CLOSING[segment.torque_finger] * trajectory.sample(t).efforts[segment.torque_finger]:+.2f} N m'
+        in text
+    )
 
 
 def test_where_there_is_no_terminal_each_step_is_one_line():
@@ -77,15 +89,36 @@ def test_where_there_is_no_terminal_each_step_is_one_line():
 def test_a_run_in_a_terminal_shows_its_torque(domain):
     """A pseudo-terminal of 120 columns; the reading end sees every picture that was drawn."""
     ours, theirs = pty.openpty()
-    environment = {**os.environ, 'ROS_DOMAIN_ID': domain, 'TERM': 'xterm-256color', 'COLUMNS': '120', 'LINES': '40'}
-    command = [sys.executable, '-m', 'wholearm_ros', 'run', '--backend', 'planar', '--pacing', 'lockstep']
-    with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment, close_fds=True) as process:
+    environment = {
+        **os.environ,
+        'ROS_DOMAIN_ID': domain,
+        'TERM': 'xterm-256color',
+        'COLUMNS': '120',
+        'LINES': '40',
+    }
+    command = [
+        sys.executable,
+        '-m',
+        'wholearm_ros',
+        'run',
+        '--backend',
+        'planar',
+        '--pacing',
+        'lockstep',
+    ]
+    with subprocess.Popen(
+        command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment, close_fds=True
+    ) as process:
         os.close(theirs)
         text = b''.join(iter(lambda: _read(ours), b'')).decode(errors='replace')
         assert process.wait(60) == 0, text[-2000:]
     os.close(ours)
     assert text.count('wholearm run') > 10 and '▒' in text and '┃' in text
-    assert ' quasi-static ' in text and ' caging ' in text and 'success' in text.split('wholearm run')[-1]
+    assert (
+        ' quasi-static ' in text
+        and ' caging ' in text
+        and 'success' in text.split('wholearm run')[-1]
+    )
 
 
 def _read(descriptor) -> bytes:

@@ -1,11 +1,12 @@
 """What comes over the wire is taken, or refused with a reason, and never anything else."""
+
 import pytest
 from builtin_interfaces.msg import Time
 from hypothesis import given
 from hypothesis import strategies as st
 
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.ros.messages import pose_message, to_planar
+from wholearm_ros.ros.interface.messages import pose_message, to_planar
 
 NUMBERS = st.floats(width=64)
 
@@ -31,4 +32,6 @@ def test_a_pose_with_numbers_whose_squares_are_none_is_refused():
 
 
 def test_a_planar_pose_comes_back_as_it_went():
-    assert to_planar(pose_message(Time(), (0.1, -0.2, 3.0)), 'pose') == pytest.approx((0.1, -0.2, 3.0))
+    assert to_planar(pose_message(Time(), (0.1, -0.2, 3.0)), 'pose') == pytest.approx(
+        (0.1, -0.2, 3.0)
+    )

@@ -1,13 +1,14 @@
 """The reference bags played into live nodes: recorded inputs give the recorded outputs."""
+
 from pathlib import Path
 
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
+from wholearm_ros.bag.reader import Bag, stamp_of
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.ros import channels
-from wholearm_ros.ros.bag_reader import Bag, stamp_of
+from wholearm_ros.ros.interface import channels
 
 pytestmark = pytest.mark.timeout(280)
 BAGS = Path(__file__).parents[2] / 'bags'
@@ -18,9 +19,16 @@ ROUTE = ('contact_state_planner/contact_plan', 'trajectory_generator/goal')
 
 def to_ros(message) -> JointState:
     """rosbags' class to that of ROS."""
-    copy = JointState(name=list(message.name), position=list(message.position), velocity=list(message.velocity),
-                      effort=list(message.effort))
-    copy.header.stamp.sec, copy.header.stamp.nanosec = message.header.stamp.sec, message.header.stamp.nanosec
+    copy = JointState(
+        name=list(message.name),
+        position=list(message.position),
+        velocity=list(message.velocity),
+        effort=list(message.effort),
+    )
+    copy.header.stamp.sec, copy.header.stamp.nanosec = (
+        message.header.stamp.sec,
+        message.header.stamp.nanosec,
+    )
     return copy
 
 
@@ -28,31 +36,50 @@ def to_ros(message) -> JointState:
 def test_controllers_answer_recorded_messages_as_recorded(graph, name):
     with Bag(BAGS / name) as bag:
         states = {stamp_of(m): m for m in bag.messages('joint_states')}
-        setpoints = [{stamp_of(m): m for m in bag.messages(t)} for t in ('velocity_setpoint', 'torque_setpoint')]
+        setpoints = [
+            {stamp_of(m): m for m in bag.messages(t)}
+            for t in ('velocity_setpoint', 'torque_setpoint')
+        ]
         recorded = {(stamp_of(m), m.name[0]): m.effort[0] for m in bag.messages('joint_commands')}
-    graph.start(('velocity_controller', 'torque_controller'), torque_controller={'motor_rate': RATE},
-                velocity_controller={'scenario': name})
+    graph.start(
+        ('velocity_controller', 'torque_controller'),
+        torque_controller={'motor_rate': RATE},
+        velocity_controller={'scenario': name},
+    )
     answers = {}
     graph.node.create_subscription(
-        JointState, channels.JOINT_COMMANDS.name,
-        lambda m: answers.update({(stamp_of(m), m.name[0]): m.effort[0]}), channels.RELIABLE)
-    inlets = [graph.talk(channels.JOINT_STATES, 2), graph.talk(channels.VELOCITY_SETPOINT),
-              graph.talk(channels.TORQUE_SETPOINT)]
-    graph.wait(lambda: graph.node.count_publishers(channels.JOINT_COMMANDS.name) == 2, 'both controllers')
+        JointState,
+        channels.JOINT_COMMANDS.name,
+        lambda m: answers.update({(stamp_of(m), m.name[0]): m.effort[0]}),
+        channels.RELIABLE,
+    )
+    inlets = [
+        graph.talk(channels.JOINT_STATES, 2),
+        graph.talk(channels.VELOCITY_SETPOINT),
+        graph.talk(channels.TORQUE_SETPOINT),
+    ]
+    graph.wait(
+        lambda: graph.node.count_publishers(channels.JOINT_COMMANDS.name) == 2, 'both controllers'
+    )
     stamps = sorted(setpoints[0])[:REPLAYED]
     for stamp in stamps:
         joints = {setpoints[0][stamp].name[0], setpoints[1][stamp].name[0]}
 
         def answered():
             if not joints <= {joint for at, joint in answers if at == stamp}:
-                for inlet, message in zip(inlets, (states[stamp], setpoints[0][stamp], setpoints[1][stamp])):
+                for inlet, message in zip(
+                    inlets, (states[stamp], setpoints[0][stamp], setpoints[1][stamp])
+                ):
                     inlet.publish(to_ros(message))
                 graph.client.executor.spin_once(timeout_sec=0.002)
             return joints <= {joint for joint in joints if (stamp, joint) in answers}
+
         graph.wait(answered, f'commands at {stamp}')
     keys = [key for key in answers if key[0] in set(stamps)]
     assert len(keys) == 2 * len(stamps)
-    np.testing.assert_allclose([answers[k] for k in keys], [recorded[k] for k in keys], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        [answers[k] for k in keys], [recorded[k] for k in keys], rtol=0, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize('name', ['asymmetric_hexagon', 'regular_hexagon'])
@@ -60,16 +87,41 @@ def test_the_recorded_plan_and_goal_give_the_recorded_run(graph, name):
     with Bag(BAGS / name) as bag:
         _, poses = bag.pose_table()
         stamps, joints = bag.joint_table('joint_states')
-        planned = next(at for connection, at, _ in bag.raw() if connection.topic.endswith('/contact_plan')) - bag.start
-    graph.start(('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator'),
-                hand_hardware={'scenario': name, 'motor_rate': RATE}, velocity_controller={'scenario': name},
-                torque_controller={'scenario': name, 'motor_rate': RATE})
+        planned = (
+            next(
+                at for connection, at, _ in bag.raw() if connection.topic.endswith('/contact_plan')
+            )
+            - bag.start
+        )
+    graph.start(
+        (
+            'hand_hardware',
+            'mode_switcher',
+            'velocity_controller',
+            'torque_controller',
+            'trajectory_generator',
+        ),
+        hand_hardware={'scenario': name, 'motor_rate': RATE},
+        velocity_controller={'scenario': name},
+        torque_controller={'scenario': name, 'motor_rate': RATE},
+    )
     heard = graph.listen(channels.JOINT_STATES)
-    for topic, least in ((channels.JOINT_STATES, 4), (channels.GOAL, 1), (channels.CONTACT_PLAN, 2)):
+    for topic, least in (
+        (channels.JOINT_STATES, 4),
+        (channels.GOAL, 1),
+        (channels.CONTACT_PLAN, 2),
+    ):
         graph.wait(lambda: graph.node.count_subscribers(topic.name) >= least, topic.name)
-    graph.processes.start('bag_player', {'path': str(BAGS / name), 'topics': list(ROUTE), 'stay': True,
-                                         'start': planned * 1e-9 - 0.1,  # without the wait for the planner
-                                         'wait_for_subscribers': 30.0})
+    graph.processes.start(
+        'bag_player',
+        {
+            'path': str(BAGS / name),
+            'topics': list(ROUTE),
+            'stay': True,
+            'start': planned * 1e-9 - 0.1,  # without the wait for the planner
+            'wait_for_subscribers': 30.0,
+        },
+    )
     graph.wait(lambda: graph.client.heard.result, 'result', 120.0)
     assert graph.client.heard.result['outcome'] == 'succeeded', graph.client.heard.result
     end = int(graph.client.heard.result['stamp'])
@@ -91,4 +143,6 @@ def test_the_planner_gives_the_recorded_plan(graph):
     assert graph.client.call(channels.PLAN_SCENARIO, 120.0).success
     graph.wait(lambda: plans, 'contact plan')
     assert ContactPlan.from_json(recorded).id == ContactPlan.from_json(plans[-1].data).id
-    assert plans[-1].data == recorded, 'to the last byte; if planning was changed on purpose: make bags'
+    assert plans[-1].data == recorded, (
+        'to the last byte; if planning was changed on purpose: make bags'
+    )

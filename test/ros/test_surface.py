@@ -1,4 +1,5 @@
 """What people expect of any node: namespaces, remapping, simulated time, parameter files."""
+
 import subprocess
 import sys
 from pathlib import Path
@@ -7,9 +8,9 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.srv import GetParameters
 
-from wholearm_ros.ros import channels
-from wholearm_ros.ros.client import Client
-from wholearm_ros.ros.messages import NANOSECONDS, to_nanoseconds
+from wholearm_ros.launcher.client import Client
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.messages import NANOSECONDS, to_nanoseconds
 
 pytestmark = pytest.mark.timeout(280)
 CONTROL = Path(__file__).parents[2] / 'config' / 'control.yaml'
@@ -21,7 +22,12 @@ def node_process(domain):
     started = []
 
     def start(node, *arguments):
-        started.append(subprocess.Popen([sys.executable, '-m', f'wholearm_ros.nodes.{node}', '--ros-args', *arguments]))
+        started.append(
+            subprocess.Popen(
+                [sys.executable, '-m', f'wholearm_ros.nodes.{node}', '--ros-args', *arguments]
+            )
+        )
+
     yield start
     for process in started:
         process.terminate()
@@ -29,24 +35,42 @@ def node_process(domain):
 
 
 def test_another_namespace_and_a_remapped_topic(graph, node_process):
-    node_process('velocity_controller', '-r', '__ns:=/second/hand', '-r', '__node:=pd', '-r', 'joint_commands:=/drive/commands')
+    node_process(
+        'velocity_controller',
+        '-r',
+        '__ns:=/second/hand',
+        '-r',
+        '__node:=pd',
+        '-r',
+        'joint_commands:=/drive/commands',
+    )
     names = graph.node.get_node_names_and_namespaces
     graph.wait(lambda: ('pd', '/second/hand') in names(), 'the node')
     graph.wait(lambda: graph.node.count_publishers('/drive/commands') == 1, 'its remapped commands')
-    graph.wait(lambda: graph.node.count_subscribers('/second/hand/joint_states') == 1, 'its joint states')
+    graph.wait(
+        lambda: graph.node.count_subscribers('/second/hand/joint_states') == 1, 'its joint states'
+    )
     assert graph.node.count_publishers('/wholearm/joint_commands') == 0
 
 
 def test_two_graphs_in_two_namespaces_do_not_hear_each_other(graph):
     graph.start(('hand_hardware',))
     with graph.processes.__class__(graph.processes.log_of('x').parent / '..') as others:
-        others.start('hand_hardware', {'pacing': 'lockstep', 'scenario': 'regular_hexagon'}, namespace='/other')
+        others.start(
+            'hand_hardware',
+            {'pacing': 'lockstep', 'scenario': 'regular_hexagon'},
+            namespace='/other',
+        )
         second = Client(name='other_client', namespace='/other')
         try:
             described = graph.listen(channels.ROBOT_DESCRIPTION)
             heard = []
-            second.node.create_subscription(channels.ROBOT_DESCRIPTION.type, channels.ROBOT_DESCRIPTION.name, heard.append,
-                                            channels.LATCHED)
+            second.node.create_subscription(
+                channels.ROBOT_DESCRIPTION.type,
+                channels.ROBOT_DESCRIPTION.name,
+                heard.append,
+                channels.LATCHED,
+            )
             graph.wait(lambda: described, 'the first description')
             second.wait(lambda: heard, 60.0, 'the second description')
             assert len(described) == len(heard) == 1
@@ -61,7 +85,12 @@ def test_simulated_time_is_honoured(graph, node_process):
     node_process('trajectory_generator', '-p', 'use_sim_time:=true')
 
     def stamps():
-        return [to_nanoseconds(m.header.stamp) for m in told if m.status[0].name.endswith('/trajectory_generator')]
+        return [
+            to_nanoseconds(m.header.stamp)
+            for m in told
+            if m.status[0].name.endswith('/trajectory_generator')
+        ]
+
     graph.wait(lambda: NANOSECONDS in stamps(), 'a report at simulated time')
 
 
@@ -69,6 +98,9 @@ def test_a_parameter_file(graph, node_process, tmp_path):
     file = tmp_path / 'control.yaml'
     file.write_text(CONTROL.read_text().replace('kp: 30.0', 'kp: 12.5'))
     node_process('velocity_controller', '--params-file', str(file))
-    answer = graph.client.call(channels.Service('velocity_controller/get_parameters', GetParameters), 60.0,
-                               GetParameters.Request(names=['kp', 'kd']))
+    answer = graph.client.call(
+        channels.Service('velocity_controller/get_parameters', GetParameters),
+        60.0,
+        GetParameters.Request(names=['kp', 'kd']),
+    )
     assert [v.double_value for v in answer.values] == [12.5, 0.85]

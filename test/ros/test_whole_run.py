@@ -1,4 +1,5 @@
 """The main job on the real graph: plan, execute in lockstep, record; the same every time."""
+
 import json
 import subprocess
 import sys
@@ -7,9 +8,9 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-from wholearm_ros.ros import channels
-from wholearm_ros.ros.bag_reader import Bag, stamp_of
-from wholearm_ros.ros.bag_types import jazzy_typestore
+from wholearm_ros.bag.reader import Bag, stamp_of
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.bag.types import jazzy_typestore
 
 pytestmark = pytest.mark.timeout(280)
 
@@ -18,7 +19,7 @@ RUN = """
 import json, sys
 from pathlib import Path
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.ros.launcher import RunOptions, run_graph
+from wholearm_ros.launcher.launcher import RunOptions, run_graph
 path, more = sys.argv[1], json.loads(sys.argv[2])
 more['record'] = more.get('record') and Path(more['record'])
 report = run_graph(load_scenario(path), RunOptions(path, 'lockstep', **more), lambda *_: None)
@@ -28,15 +29,23 @@ print(json.dumps([report.success, report.message, report.judged.pose.tolist(), r
 
 def lockstep(config, name, **more):
     """(success, message, pose (3,), angle error) of a run by a launcher of its own, as every user's."""
-    told = json.dumps({key: str(value) if key == 'record' else value for key, value in more.items()})
-    done = subprocess.run([sys.executable, '-c', RUN, str(config / f'{name}.yaml'), told], capture_output=True, text=True,
-                          timeout=130)
+    told = json.dumps(
+        {key: str(value) if key == 'record' else value for key, value in more.items()}
+    )
+    done = subprocess.run(
+        [sys.executable, '-c', RUN, str(config / f'{name}.yaml'), told],
+        capture_output=True,
+        text=True,
+        timeout=130,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 
 
 def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, tmp_path, domain):
-    success, message, pose, angle_error = lockstep(config, 'asymmetric_hexagon', record=tmp_path / 'bag')
+    success, message, pose, angle_error = lockstep(
+        config, 'asymmetric_hexagon', record=tmp_path / 'bag'
+    )
     assert success, message
     assert abs(angle_error) <= 0.03
     with AnyReader([tmp_path / 'bag']) as reader:
@@ -62,16 +71,42 @@ def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, 
 
 
 def test_the_regular_hexagon_at_500_hz_on_the_planar_stand_in(config, domain):
-    success, message, _, _ = lockstep(config, 'regular_hexagon', rate=500.0, backend='planar', seed=3)
+    success, message, _, _ = lockstep(
+        config, 'regular_hexagon', rate=500.0, backend='planar', seed=3
+    )
     assert success, message
 
 
 def test_the_command_runs_in_real_time_with_every_option(tmp_path, domain):
     """Whether the object arrives in real time depends on the load of the machine; that it runs and tells does not."""
-    done = subprocess.run([sys.executable, '-m', 'wholearm_ros', 'run', 'regular_hexagon', '--pacing', 'realtime', '--rate',
-                           '200', '--backend', 'planar', '--seed', '2', '--search', 'best', '--transition', 'dwell',
-                           '--record', str(tmp_path / 'bag'), '--storage', 'sqlite3'],
-                          capture_output=True, text=True, timeout=250)
+    done = subprocess.run(
+        [
+            sys.executable,
+            '-m',
+            'wholearm_ros',
+            'run',
+            'regular_hexagon',
+            '--pacing',
+            'realtime',
+            '--rate',
+            '200',
+            '--backend',
+            'planar',
+            '--seed',
+            '2',
+            '--search',
+            'best',
+            '--transition',
+            'dwell',
+            '--record',
+            str(tmp_path / 'bag'),
+            '--storage',
+            'sqlite3',
+        ],
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
     assert done.returncode in (0, 1) and 'failed: ' not in done.stdout, done.stdout + done.stderr
     with AnyReader([tmp_path / 'bag']) as reader:
         assert reader.message_count > 100
@@ -80,6 +115,10 @@ def test_the_command_runs_in_real_time_with_every_option(tmp_path, domain):
 def test_the_command_refuses_bad_input_and_leaves_nothing(tmp_path, domain):
     bad = tmp_path / 'bad.yaml'
     bad.write_text('object: {}')
-    done = subprocess.run([sys.executable, '-m', 'wholearm_ros', 'run', str(bad)], capture_output=True, text=True,
-                          timeout=60)
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'run', str(bad)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
     assert done.returncode == 2 and 'bad.yaml' in done.stderr

@@ -1,4 +1,5 @@
 """The stand-ins obey mechanics: free motion, statics, contacts at the true faces, energy, agreement with each other."""
+
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,10 +10,10 @@ from wholearm_ros.errors import HardwareError
 from wholearm_ros.mechanics.contacts import gap_table, pose_on_palm, start_configuration
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import Palm
+from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import ManipulatedObject, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.simulation.backend import make_hand
-from wholearm_ros.model.perturbation import Perturbation
+from wholearm_ros.simulation.hand import make_hand
 
 CONFIG = Path(__file__).parents[2] / 'config'
 SCENARIO = load_scenario(CONFIG / 'asymmetric_hexagon.yaml')
@@ -31,6 +32,7 @@ def hand(request):
         made.append(make_hand(backend, scenario, **options))
         made[-1].reset(q)
         return made[-1]
+
     yield make
     for one in made:
         one.disconnect()
@@ -40,8 +42,11 @@ def energy(hand) -> float:
     """Kinetic and potential [J] of the object and both fingers, rotors included."""
     s, pose, v = hand.scenario, hand.object_pose(), hand.object_velocity()
     angles, rates = hand.joints()
-    kinetic = (s.object.mass * (v[:2] @ v[:2]) + s.object.inertia * v[2] ** 2
-               + sum(f.inertia * r * r for f, r in zip((s.hand.left, s.hand.right), rates))) / 2
+    kinetic = (
+        s.object.mass * (v[:2] @ v[:2])
+        + s.object.inertia * v[2] ** 2
+        + sum(f.inertia * r * r for f, r in zip((s.hand.left, s.hand.right), rates))
+    ) / 2
     return kinetic + s.object.mass * G * pose[1] + WEIGHTS @ np.sin(angles)
 
 
@@ -50,7 +55,10 @@ def held_against(hand, right_torque: float, seconds: float = 2.0):
     for k in range(int(seconds / hand.period)):
         angles, rates = hand.joints()
         ramp = min(1.0, k * hand.period / 0.5)
-        hand.step(WEIGHTS * np.cos(angles) + [60.0 * (Q[3] - angles[0]) - 1.5 * rates[0], ramp * right_torque])
+        hand.step(
+            WEIGHTS * np.cos(angles)
+            + [60.0 * (Q[3] - angles[0]) - 1.5 * rates[0], ramp * right_torque]
+        )
 
 
 # ---------------------------------------------------------------------- free motion
@@ -115,11 +123,18 @@ def test_contact_forces_balance_the_object_and_the_torque_finger(hand, torque):
     pose, contacts = h.object_pose(), h.contacts()
     force = sum(c.force * c.normal for c in contacts)
     moment = sum(_cross(c.point - pose[:2], c.force * c.normal) for c in contacts)
-    on_finger = sum(-_cross(c.point - SCENARIO.hand.right.axis, c.force * c.normal) for c in contacts if c.other == 'right')
+    on_finger = sum(
+        -_cross(c.point - SCENARIO.hand.right.axis, c.force * c.normal)
+        for c in contacts
+        if c.other == 'right'
+    )
     np.testing.assert_allclose(force, [0.0, SCENARIO.object.mass * G], atol=1e-5)
     assert moment == pytest.approx(0.0, abs=1e-6)
     assert on_finger == pytest.approx(-torque, abs=1e-5)
-    assert all(c.force >= 0.0 for c in contacts) and {c.other for c in contacts} >= {'left', 'right'}
+    assert all(c.force >= 0.0 for c in contacts) and {c.other for c in contacts} >= {
+        'left',
+        'right',
+    }
 
 
 @BOTH
@@ -165,7 +180,10 @@ def test_fingers_do_work_and_nothing_else_does(hand, backend):
         angles, rates = h.joints()
         target = held[0] - 0.2 * np.clip(t - 0.3, 0.0, 1.0)
         ramp = min(1.0, t / 0.3)
-        efforts = WEIGHTS * np.cos(angles) + [60.0 * (target - angles[0]) - 1.5 * rates[0] - ramp, ramp * 0.8]
+        efforts = WEIGHTS * np.cos(angles) + [
+            60.0 * (target - angles[0]) - 1.5 * rates[0] - ramp,
+            ramp * 0.8,
+        ]
         h.step(efforts)
         work += efforts @ (h.joints()[0] - angles)
         balance.append(energy(h) - work)
@@ -192,21 +210,36 @@ def test_an_object_slides_down_a_sloping_palm_as_friction_lets_it(hand, backend,
     palm = Palm([[-0.15, 0.15 * np.tan(slope)], [0.15, -0.15 * np.tan(slope)]])
     scenario = replace(SCENARIO, palm=palm, start=StartOnEdge(0, 0.0))
     pose = pose_on_palm(build_world(scenario), 0.0, -slope)
-    h = hand(backend, scenario=scenario, q=np.array([*pose, 3.0, 0.1]), perturbation=Perturbation(friction=friction))
+    h = hand(
+        backend,
+        scenario=scenario,
+        q=np.array([*pose, 3.0, 0.1]),
+        perturbation=Perturbation(friction=friction),
+    )
     for _ in range(200):
         h.step(None)
     down = 0.2 * G * (np.sin(slope) - friction * np.cos(slope))
-    np.testing.assert_allclose(h.object_velocity()[:2], [down * np.cos(slope), -down * np.sin(slope)], atol=2e-3)
+    np.testing.assert_allclose(
+        h.object_velocity()[:2], [down * np.cos(slope), -down * np.sin(slope)], atol=2e-3
+    )
     assert abs(h.object_pose()[2] + slope) < 1e-4
 
 
 @BOTH
 def test_mass_and_shape_are_the_true_ones_and_the_noise_is_as_asked(hand, backend):
     offsets = np.full((6, 2), 2e-4) * [[1, 0], [1, 0], [0, 1], [0, 1], [-1, 0], [-1, 0]]
-    p = Perturbation(mass_factor=1.04, vertex_offsets=offsets, encoder_noise=2e-4, velocity_noise=0.02, noise_seed=5)
+    p = Perturbation(
+        mass_factor=1.04,
+        vertex_offsets=offsets,
+        encoder_noise=2e-4,
+        velocity_noise=0.02,
+        noise_seed=5,
+    )
     h = hand(backend, q=FAR, perturbation=p)
     assert h.scenario.object.mass == pytest.approx(1.04 * SCENARIO.object.mass)
-    np.testing.assert_allclose(h.scenario.object.polygon.vertices, SCENARIO.object.polygon.vertices + offsets)
+    np.testing.assert_allclose(
+        h.scenario.object.polygon.vertices, SCENARIO.object.polygon.vertices + offsets
+    )
     readings = []
     for _ in range(1000):
         h.step(None)
@@ -240,8 +273,13 @@ def test_a_reset_hand_repeats_itself_exactly(hand, backend):
 @BOTH
 def test_a_mirrored_scenario_moves_mirrored(hand, backend):
     polygon = SCENARIO.object.polygon.mirrored()
-    mirrored = replace(SCENARIO, object=ManipulatedObject(polygon, SCENARIO.object.mass), hand=SCENARIO.hand.mirrored(),
-                       palm=SCENARIO.palm.mirrored(), start=StartOnEdge(5, 0.02))
+    mirrored = replace(
+        SCENARIO,
+        object=ManipulatedObject(polygon, SCENARIO.object.mass),
+        hand=SCENARIO.hand.mirrored(),
+        palm=SCENARIO.palm.mirrored(),
+        start=StartOnEdge(5, 0.02),
+    )
     a = hand(backend)
     b = hand(backend, scenario=mirrored, q=np.array([-Q[0], Q[1], 0.0, np.pi - Q[4], np.pi - Q[3]]))
     for k in range(400):
@@ -279,4 +317,3 @@ def test_hands_do_not_share_a_world(hand):
 
 def _cross(a, b) -> float:
     return a[0] * b[1] - a[1] * b[0]
-

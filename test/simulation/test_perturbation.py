@@ -1,4 +1,5 @@
 """Perturbations: inside their bounds, convex, scaled by the level, the same for the same seed; honest starts."""
+
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,28 +12,38 @@ from wholearm_ros.errors import ScenarioError
 from wholearm_ros.mechanics.contacts import deepest_penetration, gap_table, start_configuration
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.convex import turns
+from wholearm_ros.model.perturbation import NOMINAL, draw_perturbation
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import ManipulatedObject, StartAtPose
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.model.perturbation import NOMINAL, draw_perturbation
-from wholearm_ros.mechanics.settled_start import settled_start
+from wholearm_ros.rollout.initial_state import perturbed_start
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
 
 
-@given(seed=st.integers(0, 10 ** 6), level=st.floats(0.01, 3.0))
+@given(seed=st.integers(0, 10**6), level=st.floats(0.01, 3.0))
 @settings(max_examples=100, deadline=None)
 def test_draws_are_within_their_bounds_and_convex(seed, level):
     p = draw_perturbation(np.random.default_rng(seed), level, SCENARIO)
-    assert abs(p.mass_factor - 1.0) <= 0.05 * level and np.abs(p.torque_factors - 1.0).max() <= 0.03 * level
+    assert (
+        abs(p.mass_factor - 1.0) <= 0.05 * level
+        and np.abs(p.torque_factors - 1.0).max() <= 0.03 * level
+    )
     assert np.abs(p.vertex_offsets).max() <= 0.0005 * level and 0.0 <= p.friction <= 0.05 * level
-    assert 0.0 <= p.actuation_delay <= 0.003 * level and p.encoder_noise == pytest.approx(2e-4 * level)
+    assert 0.0 <= p.actuation_delay <= 0.003 * level and p.encoder_noise == pytest.approx(
+        2e-4 * level
+    )
     truth = p.applied(SCENARIO)
-    assert turns(truth.object.polygon.vertices).min() > 0.0 and truth.object.mass == SCENARIO.object.mass * p.mass_factor
+    assert (
+        turns(truth.object.polygon.vertices).min() > 0.0
+        and truth.object.mass == SCENARIO.object.mass * p.mass_factor
+    )
 
 
 def test_the_same_seed_draws_the_same_and_level_zero_is_nominal():
-    a, b = (draw_perturbation(np.random.default_rng([4, 2]), 1.0, SCENARIO).to_dict() for _ in range(2))
+    a, b = (
+        draw_perturbation(np.random.default_rng([4, 2]), 1.0, SCENARIO).to_dict() for _ in range(2)
+    )
     assert a == b and a != draw_perturbation(np.random.default_rng([4, 3]), 1.0, SCENARIO).to_dict()
     assert draw_perturbation(np.random.default_rng(0), 0.0, SCENARIO) is NOMINAL
     assert NOMINAL.applied(SCENARIO).object.mass == SCENARIO.object.mass
@@ -54,10 +65,10 @@ def test_the_true_object_is_set_down_and_grasped_without_penetration(seed, at_po
         q = start_configuration(told)
         told = replace(told, start=StartAtPose(q[:3], q[3:]))
     truth = draw_perturbation(np.random.default_rng(seed), 2.0, told).applied(told)
-    world, q = build_world(truth), settled_start(told, truth)
+    world, q = build_world(truth), perturbed_start(told, truth)
     gaps, codes = gap_table(world, q)
     assert deepest_penetration(world, q)[0] < 1e-6
     n, p = len(world.obj), len(world.palm) - 1
-    assert gaps[:n * p].min() < 1e-6                       # it lies on the palm
-    q_open = q + [0, 0, 0, -1e-4, 1e-4]                    # closing either finger a little more would penetrate
+    assert gaps[: n * p].min() < 1e-6  # it lies on the palm
+    q_open = q + [0, 0, 0, -1e-4, 1e-4]  # closing either finger a little more would penetrate
     assert deepest_penetration(world, q_open)[0] > 1e-6

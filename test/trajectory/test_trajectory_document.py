@@ -1,4 +1,5 @@
 """The document wholearm-trajectory/1: whatever is damaged or inconsistent is refused."""
+
 import json
 
 import numpy as np
@@ -9,11 +10,13 @@ from problems import ASYMMETRIC
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planning.search import plan
-from wholearm_ros.trajectory.generate import generate
-from wholearm_ros.trajectory.options import ExecutionOptions
+from wholearm_ros.planning.routes import plan
+from wholearm_ros.trajectory.execution_options import ExecutionOptions
+from wholearm_ros.trajectory.main_trajectory import generate
 
-MADE = generate(ASYMMETRIC, plan(ASYMMETRIC), ExecutionOptions(period=0.08))  # few samples: a small document
+MADE = generate(
+    ASYMMETRIC, plan(ASYMMETRIC), ExecutionOptions(period=0.08)
+)  # few samples: a small document
 TEXT = MADE.to_json()
 DOCUMENT = json.loads(TEXT)
 
@@ -30,11 +33,20 @@ def test_a_truncated_document_is_refused(length):
 def test_a_changed_byte_is_refused_or_leaves_a_consistent_trajectory(place, byte):
     """It has no id: a changed digit is another trajectory, but one of finite numbers, segments without gaps, equal lengths."""
     try:
-        read = ManipulationTrajectory.from_json(TEXT[:place] + byte + TEXT[place + 1:])
+        read = ManipulationTrajectory.from_json(TEXT[:place] + byte + TEXT[place + 1 :])
     except DocumentError:
         return
-    assert len(read.angles) == len(read.velocities) == len(read.efforts) == len(read.poses) == len(read.torque_ranges)
-    assert all(np.isfinite(values).all() for values in (read.angles, read.velocities, read.efforts, read.poses))
+    assert (
+        len(read.angles)
+        == len(read.velocities)
+        == len(read.efforts)
+        == len(read.poses)
+        == len(read.torque_ranges)
+    )
+    assert all(
+        np.isfinite(values).all()
+        for values in (read.angles, read.velocities, read.efforts, read.poses)
+    )
     assert abs(read.segments[-1].end - read.duration) < 1e-6
 
 
@@ -43,18 +55,39 @@ def test_a_missing_key_is_refused(key):
     if key == 'joint_names':  # for readers: the order is fixed
         return
     with pytest.raises(DocumentError):
-        ManipulationTrajectory.from_json(json.dumps({k: v for k, v in DOCUMENT.items() if k != key}))
+        ManipulationTrajectory.from_json(
+            json.dumps({k: v for k, v in DOCUMENT.items() if k != key})
+        )
 
 
-@pytest.mark.parametrize('change', [
-    {'format': 'wholearm-trajectory/2'}, {'period': 0.0}, {'period': -1.0}, {'period': 'x'}, {'period': 10 ** 400},
-    {'angles': DOCUMENT['angles'][:-1]}, {'angles': [[1.0]]}, {'efforts': [[None, 1.0]] * len(DOCUMENT['efforts'])},
-    {'segments': []}, {'segments': DOCUMENT['segments'][1:]}, {'segments': DOCUMENT['segments'][:-1]},
-    {'segments': [{**DOCUMENT['segments'][0], 'mode': 'throwing'}, *DOCUMENT['segments'][1:]]},
-    {'segments': [{**DOCUMENT['segments'][0], 'velocity_finger': 'middle'}, *DOCUMENT['segments'][1:]]},
-    {'segments': [{**DOCUMENT['segments'][0], 'end': 0.0}, *DOCUMENT['segments'][1:]]},
-    {'torque_ranges': [[10 ** 400, 0.0]] * len(DOCUMENT['angles'])}, {'plan_id': None}, {'poses': []},
-], ids=lambda c: next(iter(c)))
+@pytest.mark.parametrize(
+    'change',
+    [
+        {'format': 'wholearm-trajectory/2'},
+        {'period': 0.0},
+        {'period': -1.0},
+        {'period': 'x'},
+        {'period': 10**400},
+        {'angles': DOCUMENT['angles'][:-1]},
+        {'angles': [[1.0]]},
+        {'efforts': [[None, 1.0]] * len(DOCUMENT['efforts'])},
+        {'segments': []},
+        {'segments': DOCUMENT['segments'][1:]},
+        {'segments': DOCUMENT['segments'][:-1]},
+        {'segments': [{**DOCUMENT['segments'][0], 'mode': 'throwing'}, *DOCUMENT['segments'][1:]]},
+        {
+            'segments': [
+                {**DOCUMENT['segments'][0], 'velocity_finger': 'middle'},
+                *DOCUMENT['segments'][1:],
+            ]
+        },
+        {'segments': [{**DOCUMENT['segments'][0], 'end': 0.0}, *DOCUMENT['segments'][1:]]},
+        {'torque_ranges': [[10**400, 0.0]] * len(DOCUMENT['angles'])},
+        {'plan_id': None},
+        {'poses': []},
+    ],
+    ids=lambda c: next(iter(c)),
+)
 def test_an_inconsistent_document_is_refused(change):
     with pytest.raises(DocumentError):
         ManipulationTrajectory.from_json(json.dumps({**DOCUMENT, **change}))

@@ -1,11 +1,18 @@
 """The mode switch: leads both fingers along a manipulation trajectory, on its clock, and stops on a fault."""
+
 from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
 import numpy as np
 
-from ..model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
-from .setpoints import ControlOptions, Joints, TorqueSetpoint, VelocitySetpoint, readonly_pair
+from wholearm_ros.control.setpoints import (
+    ControlOptions,
+    Joints,
+    TorqueSetpoint,
+    VelocitySetpoint,
+    readonly_pair,
+)
+from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
 
 IDLE, DONE, STOPPED = 'idle', 'done', 'stopped'
 HOLD_MARGIN = 0.2  # [N m] inside of the torque range when the fingers hold the object after a stop
@@ -37,7 +44,9 @@ class SwitchState:
 class ModeSwitch:
     """Pure: every step takes a state and returns the next one. One switch holds one trajectory."""
 
-    def __init__(self, trajectory: ManipulationTrajectory, options: ControlOptions = ControlOptions()):
+    def __init__(
+        self, trajectory: ManipulationTrajectory, options: ControlOptions = ControlOptions()
+    ):
         self.trajectory = trajectory
         self.options = options
 
@@ -45,7 +54,9 @@ class ModeSwitch:
         """Idle: the run begins with the first step whose joint states are sound."""
         return SwitchState()
 
-    def stop(self, state: SwitchState, joints: Joints, reason: str, hold: bool = False) -> SwitchState:
+    def stop(
+        self, state: SwitchState, joints: Joints, reason: str, hold: bool = False
+    ) -> SwitchState:
         """Stopped: the velocity finger holds its angle, the torque finger lets go (slew-limited).
 
         hold: nothing is wrong, so where the object is in equilibrium the torque finger keeps the smallest torque that
@@ -55,10 +66,20 @@ class ModeSwitch:
             return state
         finger = self._finger(state)
         angle = float(joints.angles[finger])
-        held = angle if np.isfinite(angle) else float(self.trajectory.sample(state.elapsed).angles[finger])
+        held = (
+            angle
+            if np.isfinite(angle)
+            else float(self.trajectory.sample(state.elapsed).angles[finger])
+        )
         efforts = self._holding(state, finger) if hold else (0.0, 0.0)
-        return replace(state, mode=STOPPED, reason=reason, velocity_finger=finger, held_angle=held,
-                       held_efforts=efforts)
+        return replace(
+            state,
+            mode=STOPPED,
+            reason=reason,
+            velocity_finger=finger,
+            held_angle=held,
+            held_efforts=efforts,
+        )
 
     def _holding(self, state: SwitchState, finger: int) -> tuple:
         """(left, right) [N m] that hold the object at this point of the plan; zero where it is not in equilibrium."""
@@ -72,8 +93,9 @@ class ModeSwitch:
             efforts[1 - finger] = np.clip(0.0, low + inside, high - inside)
         return float(efforts[0]), float(efforts[1])
 
-    def step(self, state: SwitchState, now: float,
-             joints: Joints) -> Tuple[SwitchState, VelocitySetpoint, TorqueSetpoint]:
+    def step(
+        self, state: SwitchState, now: float, joints: Joints
+    ) -> Tuple[SwitchState, VelocitySetpoint, TorqueSetpoint]:
         """The next state and both setpoints at time `now` [s]."""
         if state.mode != STOPPED:
             state = self._advance(state, now, joints)
@@ -82,11 +104,18 @@ class ModeSwitch:
             error = float(joints.angles[motion.joint]) - motion.angle
             if abs(error) <= self.options.max_tracking_error:
                 return state, motion, torque
-            state = self.stop(state, joints, f'tracking error of the velocity-controlled finger is {error:+.3f} rad; '
-                                             f'allowed: {self.options.max_tracking_error} rad')
+            state = self.stop(
+                state,
+                joints,
+                f'tracking error of the velocity-controlled finger is {error:+.3f} rad; '
+                f'allowed: {self.options.max_tracking_error} rad',
+            )
         finger = self._finger(state)
-        return (state, VelocitySetpoint(finger, state.held_angle, 0.0, state.held_efforts[finger]),
-                TorqueSetpoint(1 - finger, state.held_efforts[1 - finger]))
+        return (
+            state,
+            VelocitySetpoint(finger, state.held_angle, 0.0, state.held_efforts[finger]),
+            TorqueSetpoint(1 - finger, state.held_efforts[1 - finger]),
+        )
 
     def _finger(self, state: SwitchState) -> int:
         first = self.trajectory.segments[0].velocity_finger
@@ -103,8 +132,12 @@ class ModeSwitch:
         if segment.velocity_finger != state.velocity_finger:
             state = self._hand_over(state, now, elapsed, segment.velocity_finger, joints)
         duration = self.trajectory.duration
-        return replace(state, elapsed=elapsed, progress=min(max(elapsed / duration, 0.0), 1.0),
-                       mode=DONE if elapsed >= duration else segment.mode)
+        return replace(
+            state,
+            elapsed=elapsed,
+            progress=min(max(elapsed / duration, 0.0), 1.0),
+            mode=DONE if elapsed >= duration else segment.mode,
+        )
 
     def _unreadable(self, now: float, joints: Joints) -> str:
         age = now - joints.stamp
@@ -112,10 +145,16 @@ class ModeSwitch:
             return f'joint states are {age:.3f} s old; allowed: {self.options.stale_after} s'
         return '' if joints.finite else 'joint states hold a number that is not finite'
 
-    def _hand_over(self, state: SwitchState, now: float, elapsed: float, finger: int, joints: Joints) -> SwitchState:
+    def _hand_over(
+        self, state: SwitchState, now: float, elapsed: float, finger: int, joints: Joints
+    ) -> SwitchState:
         planned = self.trajectory.sample(elapsed).angles[finger]
-        return replace(state, velocity_finger=finger, handed_over=now,
-                       offset=float(joints.angles[finger] - planned))
+        return replace(
+            state,
+            velocity_finger=finger,
+            handed_over=now,
+            offset=float(joints.angles[finger] - planned),
+        )
 
     def _setpoints(self, state: SwitchState, now: float) -> Tuple[VelocitySetpoint, TorqueSetpoint]:
         """The plan's sample, ramped in from the efforts found at the start, the offset at a handover faded out."""
@@ -125,8 +164,12 @@ class ModeSwitch:
         fade, fade_rate = _fade(now - state.handed_over, span)
         ramp = 1.0 - _fade(now - state.began, self.options.ramp)[0]
         efforts = state.first_efforts + ramp * (sample.efforts - state.first_efforts)
-        motion = VelocitySetpoint(v, float(sample.angles[v] + state.offset * fade),
-                                  float(sample.velocities[v] + state.offset * fade_rate), float(efforts[v]))
+        motion = VelocitySetpoint(
+            v,
+            float(sample.angles[v] + state.offset * fade),
+            float(sample.velocities[v] + state.offset * fade_rate),
+            float(efforts[v]),
+        )
         return motion, TorqueSetpoint(1 - v, float(efforts[1 - v]))
 
 
@@ -135,4 +178,4 @@ def _fade(t: float, span: float) -> Tuple[float, float]:
     if t >= span:
         return 0.0, 0.0
     u = max(t, 0.0) / span
-    return 1.0 - u ** 3 * (10.0 - 15.0 * u + 6.0 * u * u), -30.0 * (u * (1.0 - u)) ** 2 / span
+    return 1.0 - u**3 * (10.0 - 15.0 * u + 6.0 * u * u), -30.0 * (u * (1.0 - u)) ** 2 / span

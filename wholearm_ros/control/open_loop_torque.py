@@ -1,12 +1,14 @@
 """The torque controller: the planned torque, open loop, its rate of change limited."""
+
 import math
 
-from ..model.hand import Finger
-from .setpoints import TorqueSetpoint
+from wholearm_ros.control.setpoints import TorqueSetpoint
+from wholearm_ros.model.hand import Finger
 
 
-def torque_effort(finger: Finger, setpoint: TorqueSetpoint, previous_effort: float, slew_limit: float,
-                  dt: float) -> float:
+def torque_effort(
+    finger: Finger, setpoint: TorqueSetpoint, previous_effort: float, slew_limit: float, dt: float
+) -> float:
     """Motor torque [N m]: the setpoint within the finger's limit, at most `slew_limit` [N m/s] · `dt` [s] away from
     `previous_effort` [N m]. A setpoint that is not finite leaves the effort where it was."""
     wanted = setpoint.effort if math.isfinite(setpoint.effort) else previous_effort

@@ -1,9 +1,10 @@
 """What the controllers are told, what the joints report, and the options of control."""
+
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..model.arrays import readonly
+from wholearm_ros.model.arrays import readonly
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,11 @@ class Joints:
 
     @property
     def finite(self) -> bool:
-        return bool(np.isfinite(self.angles).all() and np.isfinite(self.velocities).all()
-                    and np.isfinite(self.efforts).all())
+        return bool(
+            np.isfinite(self.angles).all()
+            and np.isfinite(self.velocities).all()
+            and np.isfinite(self.efforts).all()
+        )
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,5 @@
 """The few compiled loops. Plain functions of arrays; each has a slow, obvious twin in `test/kernels`."""
+
 from numba import njit
 
 

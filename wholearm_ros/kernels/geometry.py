@@ -8,14 +8,15 @@ A contact pair is one integer, see `pair_code`. Geometry arrays ("world"):
     corners (c,) indices of the palm vertices that can touch an object edge.
 Whoever asks for several pairs of one configuration finds its `frame_of` once and calls the functions that end in `_in`.
 """
+
 import numpy as np
 
-from . import kernel
+from wholearm_ros.kernels import kernel
 
-VERTEX_EDGE, EDGE_CORNER = 0, 1          # object vertex on hand edge; object edge on hand corner
+VERTEX_EDGE, EDGE_CORNER = 0, 1  # object vertex on hand edge; object edge on hand corner
 PALM, LEFT_FINGER, RIGHT_FINGER = 0, 1, 2
-INNER, TIP, OUTER, BASE = 0, 1, 2, 3     # edges of a finger
-INNER_CORNER, OUTER_CORNER = 0, 1        # its two corners at the tip
+INNER, TIP, OUTER, BASE = 0, 1, 2, 3  # edges of a finger
+INNER_CORNER, OUTER_CORNER = 0, 1  # its two corners at the tip
 
 
 @kernel
@@ -67,7 +68,15 @@ def finger_edge(fingers, side, feature, frame):
     if feature == 0:
         return ax + half * wx, ay + half * wy, ux, uy, wx, wy, length
     if feature == 1:
-        return ax + length * ux - half * wx, ay + length * uy - half * wy, wx, wy, ux, uy, 2.0 * half
+        return (
+            ax + length * ux - half * wx,
+            ay + length * uy - half * wy,
+            wx,
+            wy,
+            ux,
+            uy,
+            2.0 * half,
+        )
     if feature == 2:
         return ax - half * wx, ay - half * wy, ux, uy, -wx, -wy, length
     return ax - half * wx, ay - half * wy, wx, wy, -ux, -uy, 2.0 * half
@@ -127,7 +136,11 @@ def contact(obj, palm, fingers, code, q):
 @kernel
 def contact_in(obj, palm, fingers, code, q, frame):
     """`contact`, the configuration's frame being known."""
-    body, hand_feature, object_feature = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
+    body, hand_feature, object_feature = (
+        pair_body(code),
+        pair_hand_feature(code),
+        pair_object_feature(code),
+    )
     if pair_kind(code) == 0:
         px, py = object_vertex(obj, object_feature, q, frame)
         ax, ay, dx, dy, nx, ny, length = hand_edge(palm, fingers, body, hand_feature, frame)
@@ -276,17 +289,28 @@ def finger_clearance(obj, fingers, side, theta, x, y, c, s):
     u, v = np.cos(theta), np.sin(theta)
     frame = c, s, u, v, u, v
     ux, uy, wx, wy = finger_axes(side, frame)
-    axis_x, axis_y, length, half = fingers[side, 0], fingers[side, 1], fingers[side, 2], fingers[side, 3]
+    axis_x, axis_y, length, half = (
+        fingers[side, 0],
+        fingers[side, 1],
+        fingers[side, 2],
+        fingers[side, 3],
+    )
     near_along, far_along, near_across, far_across = np.inf, -np.inf, np.inf, -np.inf
     greatest = -np.inf
     for i in range(obj.shape[0]):
         vx, vy, _, _, mx, my, _ = object_edge(obj, i, (x, y), frame)
-        along, across = ux * (vx - axis_x) + uy * (vy - axis_y), wx * (vx - axis_x) + wy * (vy - axis_y)
+        along, across = (
+            ux * (vx - axis_x) + uy * (vy - axis_y),
+            wx * (vx - axis_x) + wy * (vy - axis_y),
+        )
         near_along, far_along = min(near_along, along), max(far_along, along)
         near_across, far_across = min(near_across, across), max(far_across, across)
         nearest = mx * (axis_x - vx) + my * (axis_y - vy) - half * abs(mx * wx + my * wy)
         greatest = max(greatest, nearest + min(0.0, length * (mx * ux + my * uy)))
-    return max(greatest, max(max(near_across - half, -far_across - half), max(near_along - length, -far_along)))
+    return max(
+        greatest,
+        max(max(near_across - half, -far_across - half), max(near_along - length, -far_along)),
+    )
 
 
 @kernel
@@ -296,7 +320,9 @@ def closing_angle(obj, fingers, limits, side, x, y, angle):
     NaN when it touches at its open limit already, or never.
     """
     c, s = np.cos(angle), np.sin(angle)
-    opened, shut = (limits[side, 1], limits[side, 0]) if side == 0 else (limits[side, 0], limits[side, 1])
+    opened, shut = (
+        (limits[side, 1], limits[side, 0]) if side == 0 else (limits[side, 0], limits[side, 1])
+    )
     if finger_clearance(obj, fingers, side, opened, x, y, c, s) <= 0.0:
         return np.nan
     steps = 90

@@ -1,7 +1,8 @@
 """Tiny dense linear algebra without allocation."""
+
 import numpy as np
 
-from . import kernel
+from wholearm_ros.kernels import kernel
 
 
 @kernel

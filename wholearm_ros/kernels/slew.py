@@ -1,5 +1,6 @@
 """Courses of a torque over time that change by no more than a step from one sample to the next."""
-from . import kernel
+
+from wholearm_ros.kernels import kernel
 
 
 @kernel

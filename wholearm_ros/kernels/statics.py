@@ -1,8 +1,9 @@
 """Equilibrium of four contacts: contact forces affine in the torque of one finger, and the interval that keeps them compressive."""
+
 import numpy as np
 
-from . import kernel
-from .linear import solve_in_place
+from wholearm_ros.kernels import kernel
+from wholearm_ros.kernels.linear import solve_in_place
 
 
 @kernel

@@ -4,11 +4,12 @@ On a level palm the frictionless object at rotation φ has least energy m g h(φ
 its lowest vertex touches. Where h falls all the way from φ to a stable edge, and the kinetic energy is below the rise of h
 at the far end of that edge, the object cannot come to rest anywhere else: fingers can only take energy from it.
 """
+
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.polygon import Polygon
+from wholearm_ros.model.polygon import Polygon
 
 PAST_THE_TOP = 0.05  # [rad] how far the centroid must be past the pivot before the object is let go
 
@@ -50,7 +51,9 @@ def _cage(polygon, edge, landing, floor):
     v = polygon.vertices_about_centroid
     n = len(v)
     top, k = -np.inf, edge + 1
-    while True:  # back over edges too steep to rest on, to the pivot that the centroid last stood above
+    while (
+        True
+    ):  # back over edges too steep to rest on, to the pivot that the centroid last stood above
         top = _above(v[k % n], landing, floor)
         if polygon.can_rest_on(k % n) or k == edge + n:
             break
@@ -61,7 +64,9 @@ def _cage(polygon, edge, landing, floor):
     while beyond - 2 * np.pi > landing:
         beyond -= 2 * np.pi
     rest = _height(v, landing, floor)
-    return Cage(edge, top, landing, beyond, _height(v, top, floor) - rest, _height(v, beyond, floor) - rest)
+    return Cage(
+        edge, top, landing, beyond, _height(v, top, floor) - rest, _height(v, beyond, floor) - rest
+    )
 
 
 def _above(vertex, before, floor):

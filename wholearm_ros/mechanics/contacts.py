@@ -1,14 +1,15 @@
 """Contacts of the object with the palm and the fingers: their names, the contact state, and how the hand closes on the object."""
+
 from itertools import combinations
 
 import numpy as np
 
-from ..errors import ScenarioError
-from ..kernels import geometry
-from ..model.hand import LEFT, RIGHT, SIDES
-from ..model.scenario import Scenario, StartAtPose
-from ..model.task import palm_segment_under, start_rotation
-from .world import World, build_world
+from wholearm_ros.errors import ScenarioError
+from wholearm_ros.kernels import geometry
+from wholearm_ros.mechanics.world import World, build_world
+from wholearm_ros.model.hand import LEFT, RIGHT, SIDES
+from wholearm_ros.model.orientation import palm_segment_under, start_rotation
+from wholearm_ros.model.scenario import Scenario, StartAtPose
 
 CLOSED_GAP = 1e-7  # [m] a pair with a smaller gap is closed
 DEEPEST_START = 1e-4  # [m] how far a start given as a pose may penetrate
@@ -35,7 +36,9 @@ def pair_from_name(name: str) -> int:
     if body == 'palm':
         return int(geometry.pair_code(kind, geometry.PALM, _index(feature[1:]), _index(obj[1:])))
     features = FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS
-    return int(geometry.pair_code(kind, 1 + SIDES.index(body), features.index(feature), _index(obj[1:])))
+    return int(
+        geometry.pair_code(kind, 1 + SIDES.index(body), features.index(feature), _index(obj[1:]))
+    )
 
 
 def _index(text):
@@ -76,14 +79,22 @@ def contact_state_matrix(world: World, pairs: tuple) -> np.ndarray:
         kind, body = geometry.pair_kind(code), geometry.pair_body(code)
         hand = geometry.pair_hand_feature(code)
         row = geometry.pair_object_feature(code) + (n if kind else 0)
-        column = hand + (p - 1 if kind else 0) if body == 0 else palm_columns + 6 * (body - 1) + hand + (4 if kind else 0)
+        column = (
+            hand + (p - 1 if kind else 0)
+            if body == 0
+            else palm_columns + 6 * (body - 1) + hand + (4 if kind else 0)
+        )
         c[row, column] = True
     return c
 
 
 def four_contact_subsets(pairs: tuple) -> list:
     """Every choice of four of the pairs with at least one on each finger and the palm."""
-    return [four for four in combinations(pairs, 4) if {int(geometry.pair_body(c)) for c in four} == {0, 1, 2}]
+    return [
+        four
+        for four in combinations(pairs, 4)
+        if {int(geometry.pair_body(c)) for c in four} == {0, 1, 2}
+    ]
 
 
 def contact_rows(world: World, pairs, q: np.ndarray) -> tuple:
@@ -109,9 +120,11 @@ def close_finger(world: World, pose: np.ndarray, side: int) -> float:
     angle = geometry.closing_angle(world.obj, world.fingers, world.limits, side, *pose)
     if np.isnan(angle):
         low, high = world.limits[side]
-        raise ScenarioError(f'hand.{SIDES[side]}: the finger, swept closed between {low:.3f} and {high:.3f} rad, does not '
-                            f'come to touch the object at {_show(pose)}; allowed: an object that lies between the open '
-                            'fingers and within their reach')
+        raise ScenarioError(
+            f'hand.{SIDES[side]}: the finger, swept closed between {low:.3f} and {high:.3f} rad, does not '
+            f'come to touch the object at {_show(pose)}; allowed: an object that lies between the open '
+            'fingers and within their reach'
+        )
     return angle
 
 
@@ -125,12 +138,18 @@ def start_configuration(scenario: Scenario, world: World = None) -> np.ndarray:
     if isinstance(start, StartAtPose):
         q = np.concatenate([start.pose, start.fingers])
     else:
-        pose = pose_on_palm(world, start.x, start_rotation(scenario), palm_segment_under(scenario.palm, start.x))
-        q = np.concatenate([pose, [close_finger(world, pose, LEFT), close_finger(world, pose, RIGHT)]])
+        pose = pose_on_palm(
+            world, start.x, start_rotation(scenario), palm_segment_under(scenario.palm, start.x)
+        )
+        q = np.concatenate(
+            [pose, [close_finger(world, pose, LEFT), close_finger(world, pose, RIGHT)]]
+        )
     depth, pair = deepest_penetration(world, q)
     if depth > DEEPEST_START:
-        raise ScenarioError(f'start: the object penetrates the hand by {1000 * depth:.2f} mm at {pair}; '
-                            f'allowed: at most {1000 * DEEPEST_START:.2f} mm')
+        raise ScenarioError(
+            f'start: the object penetrates the hand by {1000 * depth:.2f} mm at {pair}; '
+            f'allowed: at most {1000 * DEEPEST_START:.2f} mm'
+        )
     return q
 
 

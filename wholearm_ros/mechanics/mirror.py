@@ -1,20 +1,23 @@
 """Mirror images (x → −x) of configurations, contact names, plans and trajectories: clockwise tasks come out of these."""
+
 from dataclasses import replace
 
 import numpy as np
 
-from ..kernels import geometry
-from ..model.plan import ContactPlan
-from ..model.scenario import Scenario
-from ..model.trajectory import ManipulationTrajectory
-from .contacts import pair_from_name, pair_name
-from .moves import Move
+from wholearm_ros.kernels import geometry
+from wholearm_ros.mechanics.contacts import pair_from_name, pair_name
+from wholearm_ros.model.motion_primitive import MotionPrimitive
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 
 
 def mirror_configurations(q: np.ndarray) -> np.ndarray:
     """(…, 5) → (…, 5): left and right finger change places."""
     q = np.asarray(q)
-    return np.stack([-q[..., 0], q[..., 1], -q[..., 2], np.pi - q[..., 4], np.pi - q[..., 3]], axis=-1)
+    return np.stack(
+        [-q[..., 0], q[..., 1], -q[..., 2], np.pi - q[..., 4], np.pi - q[..., 3]], axis=-1
+    )
 
 
 def mirror_contacts(names: tuple, scenario: Scenario) -> tuple:
@@ -25,20 +28,44 @@ def mirror_contacts(names: tuple, scenario: Scenario) -> tuple:
 
 def mirror_plan(plan: ContactPlan, scenario: Scenario) -> ContactPlan:
     """The plan for `scenario`, of which plan.scenario is the mirror image."""
-    subgoals = tuple(replace(s, configuration=mirror_configurations(s.configuration), direction=-s.direction,
-                             contacts=mirror_contacts(s.contacts, scenario)) for s in plan.subgoals)
-    legs = tuple(replace(leg, configurations=mirror_configurations(leg.configurations),
-                         contacts=mirror_contacts(leg.contacts, scenario),
-                         action=Move.from_dict(leg.action).mirrored().to_dict() if leg.action else {}) for leg in plan.legs)
+    subgoals = tuple(
+        replace(
+            s,
+            configuration=mirror_configurations(s.configuration),
+            direction=-s.direction,
+            contacts=mirror_contacts(s.contacts, scenario),
+        )
+        for s in plan.subgoals
+    )
+    legs = tuple(
+        replace(
+            leg,
+            configurations=mirror_configurations(leg.configurations),
+            contacts=mirror_contacts(leg.contacts, scenario),
+            action=MotionPrimitive.from_dict(leg.action).mirrored().to_dict() if leg.action else {},
+        )
+        for leg in plan.legs
+    )
     return replace(plan, scenario=scenario, subgoals=subgoals, legs=legs)
 
 
 def mirror_trajectory(t: ManipulationTrajectory, scenario: Scenario) -> ManipulationTrajectory:
     """The trajectory for `scenario`, made for its mirror image."""
-    segments = tuple(replace(s, velocity_finger=1 - s.velocity_finger, contacts=mirror_contacts(s.contacts, scenario))
-                     for s in t.segments)
-    return replace(t, angles=np.pi - t.angles[:, ::-1], velocities=-t.velocities[:, ::-1], efforts=-t.efforts[:, ::-1],
-                   torque_ranges=-t.torque_ranges[:, ::-1], poses=t.poses * [-1.0, 1.0, -1.0], segments=segments)
+    segments = tuple(
+        replace(
+            s, velocity_finger=1 - s.velocity_finger, contacts=mirror_contacts(s.contacts, scenario)
+        )
+        for s in t.segments
+    )
+    return replace(
+        t,
+        angles=np.pi - t.angles[:, ::-1],
+        velocities=-t.velocities[:, ::-1],
+        efforts=-t.efforts[:, ::-1],
+        torque_ranges=-t.torque_ranges[:, ::-1],
+        poses=t.poses * [-1.0, 1.0, -1.0],
+        segments=segments,
+    )
 
 
 def _mirror_pair(code, n, p):

@@ -1,11 +1,12 @@
 """The quasi-static model, equations (1)–(5), and the three conditions for a quasi-static manipulation (II-B, II-C)."""
+
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels import statics
-from .contacts import contact_rows
-from .world import World
+from wholearm_ros.kernels import statics
+from wholearm_ros.mechanics.contacts import contact_rows
+from wholearm_ros.mechanics.world import World
 
 LEAST_CONDITIONING = 1e-6  # singular values below this part of the largest count as zero
 
@@ -38,9 +39,15 @@ class QuasiStatics:
         Raises numpy.linalg.LinAlgError when the block is singular.
         """
         torque_finger = 1 - velocity_finger
-        solved = np.linalg.solve(self.square_block(torque_finger), self.J_n[:, velocity_finger] * rate)
+        solved = np.linalg.solve(
+            self.square_block(torque_finger), self.J_n[:, velocity_finger] * rate
+        )
         q_dot = np.empty(5)
-        q_dot[:3], q_dot[3 + torque_finger], q_dot[3 + velocity_finger] = solved[:3], solved[3], rate
+        q_dot[:3], q_dot[3 + torque_finger], q_dot[3 + velocity_finger] = (
+            solved[:3],
+            solved[3],
+            rate,
+        )
         return q_dot
 
     def joint_torques(self, f_n: np.ndarray) -> np.ndarray:
@@ -49,7 +56,11 @@ class QuasiStatics:
 
     def residual(self, f_n: np.ndarray, tau: np.ndarray) -> float:
         """Largest absolute residual of eq. (2) for forces (n,) [N] and torques (2,) [N m]."""
-        return float(max(np.abs(self.G_n @ f_n + self.g_O).max(), np.abs(self.joint_torques(f_n) - tau).max()))
+        return float(
+            max(
+                np.abs(self.G_n @ f_n + self.g_O).max(), np.abs(self.joint_torques(f_n) - tau).max()
+            )
+        )
 
     def velocity_is_unique(self, velocity_finger: int) -> bool:
         """Conditions 1 and 2 of II-C: [G_nᵀ, −J_nT] nonsingular, J_nV of full rank."""

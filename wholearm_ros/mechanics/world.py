@@ -1,10 +1,11 @@
 """A scenario as the arrays that the kernels work on."""
+
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.arrays import readonly
-from ..model.scenario import Scenario
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.scenario import Scenario
 
 LENGTH_SCALE = 0.1  # [m] that counts as much as 1 rad where configurations are compared
 

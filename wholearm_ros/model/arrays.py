@@ -1,4 +1,5 @@
 """Read-only arrays: how frozen values hold numbers."""
+
 import numpy as np
 
 
@@ -12,7 +13,9 @@ def readonly(values, shape=None, dtype=float) -> np.ndarray:
     except OverflowError as error:  # an integer of 400 digits
         raise ValueError(f'array holds a number that is too large: {error}') from error
     if shape is not None:
-        fits = array.ndim == len(shape) and all(want in (-1, got) for want, got in zip(shape, array.shape))
+        fits = array.ndim == len(shape) and all(
+            want in (-1, got) for want, got in zip(shape, array.shape)
+        )
         if not fits:
             raise ValueError(f'array of shape {array.shape}; allowed: {shape} (-1 is any length)')
     if array.dtype.kind == 'f' and not np.isfinite(array).all():

@@ -1,4 +1,5 @@
 """Plain tests on polygons: turns, crossings, separation. For checking input; the kernels have their own geometry."""
+
 import numpy as np
 
 
@@ -23,7 +24,9 @@ def crossing_edges(vertices: np.ndarray):
     n = len(vertices)
     for i in range(n):
         for j in range(i + 2, n):
-            if (j + 1) % n != i and _meet(vertices[i], vertices[(i + 1) % n], vertices[j], vertices[(j + 1) % n]):
+            if (j + 1) % n != i and _meet(
+                vertices[i], vertices[(i + 1) % n], vertices[j], vertices[(j + 1) % n]
+            ):
                 return i, j
     return None
 
@@ -51,7 +54,10 @@ def turned(vertices: np.ndarray, pose: np.ndarray) -> np.ndarray:
 def _apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Largest distance of b from a line through an edge of a, outwards."""
     edges = np.roll(a, -1, axis=-2) - a
-    outward = np.stack([edges[..., 1], -edges[..., 0]], axis=-1) / np.linalg.norm(edges, axis=-1)[..., None]
+    outward = (
+        np.stack([edges[..., 1], -edges[..., 0]], axis=-1)
+        / np.linalg.norm(edges, axis=-1)[..., None]
+    )
     heights = outward @ np.swapaxes(b, -1, -2) - (outward * a).sum(axis=-1)[..., None]
     return heights.min(axis=-1).max(axis=-1)
 
@@ -66,5 +72,9 @@ def _meet(a, b, c, d) -> bool:
     if s1 * s2 < 0.0 and s3 * s4 < 0.0:
         return True
     on = ((s1, a, b, c), (s2, a, b, d), (s3, c, d, a), (s4, c, d, b))
-    return any(s == 0.0 and min(p[0], q[0]) <= r[0] <= max(p[0], q[0]) and min(p[1], q[1]) <= r[1] <= max(p[1], q[1])
-               for s, p, q, r in on)
+    return any(
+        s == 0.0
+        and min(p[0], q[0]) <= r[0] <= max(p[0], q[0])
+        and min(p[1], q[1]) <= r[1] <= max(p[1], q[1])
+        for s, p, q, r in on
+    )

@@ -1,14 +1,18 @@
 """The hand: two one-joint fingers and the fixed palm between them."""
+
 from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import readonly
+from wholearm_ros.model.arrays import readonly
 
 LEFT, RIGHT = 0, 1
 SIDES = ('left', 'right')
 JOINT_NAMES = ('left_finger_joint', 'right_finger_joint')
-CLOSING = (-1.0, 1.0)  # sign of the joint velocity and torque that pushes a finger towards the other one
+CLOSING = (
+    -1.0,
+    1.0,
+)  # sign of the joint velocity and torque that pushes a finger towards the other one
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +38,21 @@ class Finger:
     @property
     def inertia(self) -> float:
         """About the joint axis [kg m²]: uniform rectangle plus rotor."""
-        about_centre = self.mass * (self.length ** 2 + (2 * self.half_width) ** 2) / 12.0
+        about_centre = self.mass * (self.length**2 + (2 * self.half_width) ** 2) / 12.0
         return about_centre + self.mass * (self.length / 2) ** 2 + self.rotor_inertia
 
     def mirrored(self) -> 'Finger':
         """The mirror image (x → -x, θ → π - θ)."""
         low, high = self.angle_limits
-        return Finger(self.axis * [-1.0, 1.0], self.length, self.half_width, self.mass,
-                      self.rotor_inertia, (np.pi - high, np.pi - low), self.torque_limit)
+        return Finger(
+            self.axis * [-1.0, 1.0],
+            self.length,
+            self.half_width,
+            self.mass,
+            self.rotor_inertia,
+            (np.pi - high, np.pi - low),
+            self.torque_limit,
+        )
 
 
 @dataclass(frozen=True)

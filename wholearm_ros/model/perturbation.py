@@ -1,23 +1,26 @@
 """What may truly be different from what the planner was told."""
+
 from dataclasses import dataclass, field, replace
 from typing import Optional
 
 import numpy as np
 
-from ..errors import ScenarioError
-from .arrays import readonly
-from .polygon import Polygon
-from .scenario import ManipulatedObject, Scenario
+from wholearm_ros.errors import ScenarioError
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.polygon import Polygon
+from wholearm_ros.model.scenario import ManipulatedObject, Scenario
 
 # At level 1; each is multiplied by the level.
-MASS_SHARE = 0.05          # mass is off by up to this share
-VERTEX_OFFSET = 0.0005     # [m] each coordinate of each vertex is off by up to this
-MAX_FRICTION = 0.05        # coefficient of friction of the object against everything
-MAX_DELAY = 0.003          # [s] from a command to the motor
-TORQUE_SHARE = 0.03        # each motor's torque is off by up to this share
-ENCODER_NOISE = 0.0002     # [rad] standard deviation of an angle reading
-VELOCITY_NOISE = 0.02      # [rad/s] standard deviation of a velocity reading: a filtered derivative of those angles
-MIN_TURN = 1e-3            # sine of the smallest turn that a perturbed polygon must keep at each vertex
+MASS_SHARE = 0.05  # mass is off by up to this share
+VERTEX_OFFSET = 0.0005  # [m] each coordinate of each vertex is off by up to this
+MAX_FRICTION = 0.05  # coefficient of friction of the object against everything
+MAX_DELAY = 0.003  # [s] from a command to the motor
+TORQUE_SHARE = 0.03  # each motor's torque is off by up to this share
+ENCODER_NOISE = 0.0002  # [rad] standard deviation of an angle reading
+VELOCITY_NOISE = (
+    0.02  # [rad/s] standard deviation of a velocity reading: a filtered derivative of those angles
+)
+MIN_TURN = 1e-3  # sine of the smallest turn that a perturbed polygon must keep at each vertex
 MAX_TRIES = 1000
 
 
@@ -55,10 +58,16 @@ class Perturbation:
     def to_dict(self) -> dict:
         """For reports."""
         offsets = None if self.vertex_offsets is None else self.vertex_offsets.tolist()
-        return {'mass_factor': self.mass_factor, 'vertex_offsets': offsets, 'friction': self.friction,
-                'actuation_delay': self.actuation_delay, 'torque_factors': self.torque_factors.tolist(),
-                'encoder_noise': self.encoder_noise, 'velocity_noise': self.velocity_noise,
-                'noise_seed': self.noise_seed}
+        return {
+            'mass_factor': self.mass_factor,
+            'vertex_offsets': offsets,
+            'friction': self.friction,
+            'actuation_delay': self.actuation_delay,
+            'torque_factors': self.torque_factors.tolist(),
+            'encoder_noise': self.encoder_noise,
+            'velocity_noise': self.velocity_noise,
+            'noise_seed': self.noise_seed,
+        }
 
 
 NOMINAL = Perturbation()
@@ -76,7 +85,8 @@ def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario
         torque_factors=1.0 + level * TORQUE_SHARE * rng.uniform(-1.0, 1.0, size=2),
         encoder_noise=level * ENCODER_NOISE,
         velocity_noise=level * VELOCITY_NOISE,
-        noise_seed=int(rng.integers(2 ** 31)))
+        noise_seed=int(rng.integers(2**31)),
+    )
 
 
 def _draw_offsets(rng: np.random.Generator, size: float, vertices: np.ndarray) -> np.ndarray:
@@ -89,5 +99,7 @@ def _draw_offsets(rng: np.random.Generator, size: float, vertices: np.ndarray) -
         lengths = np.linalg.norm(edges, axis=1)
         if np.all(cross > MIN_TURN * lengths * np.roll(lengths, -1)):
             return offsets
-    raise ScenarioError(f'object.vertices: no offsets of ±{size} m found in {MAX_TRIES} draws that keep the polygon '
-                        f'convex; allowed: a smaller perturbation level, or a polygon without such short edges')
+    raise ScenarioError(
+        f'object.vertices: no offsets of ±{size} m found in {MAX_TRIES} draws that keep the polygon '
+        f'convex; allowed: a smaller perturbation level, or a polygon without such short edges'
+    )

@@ -1,4 +1,5 @@
 """A contact plan: the subgoals that were found, and the legs that lead from the start to the goal."""
+
 import json
 import uuid
 from dataclasses import dataclass, field, replace
@@ -6,14 +7,26 @@ from functools import cached_property
 
 import numpy as np
 
-from ..errors import DocumentError, ScenarioError
-from .arrays import readonly
-from .scenario import Scenario
-from .scenario_file import parse_scenario, scenario_to_dict
+from wholearm_ros.errors import DocumentError, ScenarioError
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 
 FORMAT = 'wholearm-contact-plan/1'
-X_INIT, X_START, X_THROUGH, X_END, X_GOAL, Y = 'X_init', 'X_start', 'X_through', 'X_end', 'X_goal', 'Y'
-FOUND, EXHAUSTED, LIMIT_REACHED, NOT_EXECUTABLE = 'found', 'exhausted', 'limit_reached', 'not_executable'
+X_INIT, X_START, X_THROUGH, X_END, X_GOAL, Y = (
+    'X_init',
+    'X_start',
+    'X_through',
+    'X_end',
+    'X_goal',
+    'Y',
+)
+FOUND, EXHAUSTED, LIMIT_REACHED, NOT_EXECUTABLE = (
+    'found',
+    'exhausted',
+    'limit_reached',
+    'not_executable',
+)
 OUTCOMES = (FOUND, EXHAUSTED, LIMIT_REACHED, NOT_EXECUTABLE)
 ID_NAMESPACE = uuid.UUID('6f1d2a4e-52a1-5c0e-9a53-0b6f2f6c9d10')
 
@@ -93,28 +106,59 @@ class ContactPlan:
 
     def summary(self) -> str:
         """One line for people."""
-        counts = ', '.join(f'{value} {name.replace("_", " ")}' for name, value in self.counts.items())
+        counts = ', '.join(
+            f'{value} {name.replace("_", " ")}' for name, value in self.counts.items()
+        )
         if not self.found:
             return f'no plan ({self.outcome}): {self.reason} [{counts}]'
-        return f'plan {self.id[:8]}: {len(self.path)} subgoals on the path, {self.reason} [{counts}]'
+        return (
+            f'plan {self.id[:8]}: {len(self.path)} subgoals on the path, {self.reason} [{counts}]'
+        )
 
     def with_execution(self, execution: dict) -> 'ContactPlan':
         return replace(self, execution=execution)
 
     def to_json(self) -> str:
         """The document `wholearm-contact-plan/1`; the same plan gives the same bytes."""
-        return json.dumps({'format': FORMAT, 'id': self.id, **self._content()}, separators=(',', ':'), allow_nan=False)
+        return json.dumps(
+            {'format': FORMAT, 'id': self.id, **self._content()},
+            separators=(',', ':'),
+            allow_nan=False,
+        )
 
     def _content(self) -> dict:
         return {
-            'scenario': scenario_to_dict(self.scenario), 'search': self.search, 'seed': self.seed,
-            'outcome': self.outcome, 'reason': self.reason, 'counts': self.counts, 'path': list(self.path),
-            'subgoals': [{'number': s.number, 'kind': s.kind, 'configuration': s.configuration.tolist(),
-                          'contacts': list(s.contacts), 'direction': s.direction, 'parent': s.parent}
-                         for s in self.subgoals],
-            'legs': [{'start': leg.start, 'end': leg.end, 'mode': leg.mode, 'contacts': list(leg.contacts),
-                      'configurations': leg.configurations.tolist(), 'action': leg.action} for leg in self.legs],
-            'cost': self.cost, 'execution': self.execution,
+            'scenario': scenario_to_dict(self.scenario),
+            'search': self.search,
+            'seed': self.seed,
+            'outcome': self.outcome,
+            'reason': self.reason,
+            'counts': self.counts,
+            'path': list(self.path),
+            'subgoals': [
+                {
+                    'number': s.number,
+                    'kind': s.kind,
+                    'configuration': s.configuration.tolist(),
+                    'contacts': list(s.contacts),
+                    'direction': s.direction,
+                    'parent': s.parent,
+                }
+                for s in self.subgoals
+            ],
+            'legs': [
+                {
+                    'start': leg.start,
+                    'end': leg.end,
+                    'mode': leg.mode,
+                    'contacts': list(leg.contacts),
+                    'configurations': leg.configurations.tolist(),
+                    'action': leg.action,
+                }
+                for leg in self.legs
+            ],
+            'cost': self.cost,
+            'execution': self.execution,
         }
 
     @classmethod
@@ -123,20 +167,59 @@ class ContactPlan:
         try:
             d = json.loads(text)
             if d.get('format') != FORMAT:
-                raise DocumentError(f"plan document: format is {d.get('format')!r}; allowed: {FORMAT!r}")
-            plan = cls(parse_scenario(d['scenario'], 'plan document'), d['search'], d['seed'], d['outcome'], d['reason'],
-                       d['counts'],
-                       tuple(Subgoal(s['number'], s['kind'], s['configuration'], tuple(s['contacts']), s['direction'],
-                                     s['parent']) for s in d['subgoals']),
-                       tuple(d['path']),
-                       tuple(Leg(leg['start'], leg['end'], leg['mode'], tuple(leg['contacts']), leg['configurations'],
-                                 leg['action']) for leg in d['legs']),
-                       d['cost'], d['execution'])
+                raise DocumentError(
+                    f'plan document: format is {d.get("format")!r}; allowed: {FORMAT!r}'
+                )
+            plan = cls(
+                parse_scenario(d['scenario'], 'plan document'),
+                d['search'],
+                d['seed'],
+                d['outcome'],
+                d['reason'],
+                d['counts'],
+                tuple(
+                    Subgoal(
+                        s['number'],
+                        s['kind'],
+                        s['configuration'],
+                        tuple(s['contacts']),
+                        s['direction'],
+                        s['parent'],
+                    )
+                    for s in d['subgoals']
+                ),
+                tuple(d['path']),
+                tuple(
+                    Leg(
+                        leg['start'],
+                        leg['end'],
+                        leg['mode'],
+                        tuple(leg['contacts']),
+                        leg['configurations'],
+                        leg['action'],
+                    )
+                    for leg in d['legs']
+                ),
+                d['cost'],
+                d['execution'],
+            )
             got = d['id']
         except DocumentError:
             raise
-        except (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError, ScenarioError) as error:
-            raise DocumentError(f'plan document is damaged: {type(error).__name__}: {error}') from error
+        except (
+            ValueError,
+            OverflowError,
+            TypeError,
+            KeyError,
+            AttributeError,
+            RecursionError,
+            ScenarioError,
+        ) as error:
+            raise DocumentError(
+                f'plan document is damaged: {type(error).__name__}: {error}'
+            ) from error
         if plan.id != got:
-            raise DocumentError(f'plan document: its content has the id {plan.id}, it says {got}; it was changed on its way')
+            raise DocumentError(
+                f'plan document: its content has the id {plan.id}, it says {got}; it was changed on its way'
+            )
         return plan

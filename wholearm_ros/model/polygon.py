@@ -1,10 +1,11 @@
 """A convex polygon: vertices, area, centroid, inertia."""
+
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from .arrays import readonly
+from wholearm_ros.model.arrays import readonly
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,9 @@ class Polygon:
     def centroid(self) -> np.ndarray:
         """(2,) [m]"""
         v, cross = self.vertices, _cross_with_next(self.vertices)
-        return readonly(((v + np.roll(v, -1, axis=0)) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()), (2,))
+        return readonly(
+            ((v + np.roll(v, -1, axis=0)) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()), (2,)
+        )
 
     @property
     def vertices_about_centroid(self) -> np.ndarray:
@@ -44,7 +47,9 @@ class Polygon:
         """Second polar moment of area about the centroid over the area [m²]."""
         v = self.vertices_about_centroid
         w, cross = np.roll(v, -1, axis=0), _cross_with_next(v)
-        return float((cross * ((v * v) + (v * w) + (w * w)).sum(axis=1)).sum() / (6.0 * cross.sum()))
+        return float(
+            (cross * ((v * v) + (v * w) + (w * w)).sum(axis=1)).sum() / (6.0 * cross.sum())
+        )
 
     def resting_angle(self, edge: int) -> float:
         """Rotation [rad] in (-π, π] that lays `edge` flat on a floor along +x, the polygon above it."""

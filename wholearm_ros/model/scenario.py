@@ -1,12 +1,13 @@
 """One task: the object, the hand, gravity, where it starts and where it shall rest."""
+
 from dataclasses import dataclass
 from typing import Optional, Union
 
 import numpy as np
 
-from .arrays import readonly
-from .hand import Hand, Palm
-from .polygon import Polygon
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.hand import Hand, Palm
+from wholearm_ros.model.polygon import Polygon
 
 CCW, CW = 'ccw', 'cw'
 
@@ -74,7 +75,9 @@ class GoalOnEdge:
 
     def mirrored(self, edges: int) -> 'GoalOnEdge':
         x = None if self.x is None else -self.x
-        return GoalOnEdge(edges - 1 - self.edge, CCW if self.direction == CW else CW, x, self.x_tolerance)
+        return GoalOnEdge(
+            edges - 1 - self.edge, CCW if self.direction == CW else CW, x, self.x_tolerance
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,5 +110,12 @@ class Scenario:
     def mirrored(self) -> 'Scenario':
         """The mirror image (x → -x): left and right, clockwise and counter-clockwise change places."""
         edges = len(self.object.polygon.vertices)
-        return Scenario(ManipulatedObject(self.object.polygon.mirrored(), self.object.mass), self.hand.mirrored(),
-                        self.palm.mirrored(), self.gravity, self.start.mirrored(edges), self.goal.mirrored(edges), self.name)
+        return Scenario(
+            ManipulatedObject(self.object.polygon.mirrored(), self.object.mass),
+            self.hand.mirrored(),
+            self.palm.mirrored(),
+            self.gravity,
+            self.start.mirrored(edges),
+            self.goal.mirrored(edges),
+            self.name,
+        )

@@ -1,17 +1,32 @@
 """Scenario files: YAML or JSON in, a Scenario out, every problem told at once."""
+
 from pathlib import Path
 from typing import Mapping, Union
 
 import numpy as np
 from pydantic import ValidationError
 
-from ..errors import ScenarioError
-from .hand import SIDES, Finger, Hand, Palm
-from .polygon import Polygon
-from .scenario import GoalAtPose, GoalOnEdge, Gravity, ManipulatedObject, Scenario, StartAtPose, StartOnEdge
-from .scenario_checks import problems_at_start, problems_with
-from .scenario_schema import AT_POSE, ON_EDGE, GoalOnEdgeTable, ScenarioTable, StartOnEdgeTable
-from .yaml_text import read_mapping
+from wholearm_ros.errors import ScenarioError
+from wholearm_ros.model.hand import SIDES, Finger, Hand, Palm
+from wholearm_ros.model.polygon import Polygon
+from wholearm_ros.model.scenario import (
+    GoalAtPose,
+    GoalOnEdge,
+    Gravity,
+    ManipulatedObject,
+    Scenario,
+    StartAtPose,
+    StartOnEdge,
+)
+from wholearm_ros.model.scenario_checks import problems_at_start, problems_with
+from wholearm_ros.model.scenario_schema import (
+    AT_POSE,
+    ON_EDGE,
+    GoalOnEdgeTable,
+    ScenarioTable,
+    StartOnEdgeTable,
+)
+from wholearm_ros.model.yaml_text import read_mapping
 
 
 def load_scenario(path: Union[str, Path]) -> Scenario:
@@ -53,14 +68,25 @@ def _build(table: ScenarioTable) -> Scenario:
     thing = ManipulatedObject(Polygon(table.object.vertices), table.object.mass)
     hand = Hand(*(Finger(**getattr(table.hand, side).model_dump()) for side in SIDES))
     gravity = Gravity(table.gravity.acceleration, float(np.radians(table.gravity.tilt_deg)))
-    start = (StartOnEdge if isinstance(table.start, StartOnEdgeTable) else StartAtPose)(**table.start.model_dump())
-    goal = (GoalOnEdge if isinstance(table.goal, GoalOnEdgeTable) else GoalAtPose)(**table.goal.model_dump())
+    start = (StartOnEdge if isinstance(table.start, StartOnEdgeTable) else StartAtPose)(
+        **table.start.model_dump()
+    )
+    goal = (GoalOnEdge if isinstance(table.goal, GoalOnEdgeTable) else GoalAtPose)(
+        **table.goal.model_dump()
+    )
     return Scenario(thing, hand, Palm(table.palm.vertices), gravity, start, goal, table.name)
 
 
 def _finger_to_dict(f: Finger) -> dict:
-    return {'axis': f.axis.tolist(), 'length': f.length, 'half_width': f.half_width, 'mass': f.mass,
-            'rotor_inertia': f.rotor_inertia, 'angle_limits': f.angle_limits.tolist(), 'torque_limit': f.torque_limit}
+    return {
+        'axis': f.axis.tolist(),
+        'length': f.length,
+        'half_width': f.half_width,
+        'mass': f.mass,
+        'rotor_inertia': f.rotor_inertia,
+        'angle_limits': f.angle_limits.tolist(),
+        'torque_limit': f.torque_limit,
+    }
 
 
 def _start_to_dict(start) -> dict:
@@ -73,7 +99,11 @@ def _goal_to_dict(goal) -> dict:
     if isinstance(goal, GoalAtPose):
         return {'pose': goal.pose.tolist(), 'tolerance': goal.tolerance.tolist()}
     optional = {'x': goal.x, 'x_tolerance': goal.x_tolerance}
-    return {'edge': goal.edge, 'direction': goal.direction, **{k: v for k, v in optional.items() if v is not None}}
+    return {
+        'edge': goal.edge,
+        'direction': goal.direction,
+        **{k: v for k, v in optional.items() if v is not None},
+    }
 
 
 def _exact_degrees(angle: float) -> float:
@@ -95,9 +125,15 @@ def _told(error: dict) -> str:
         return f'{key}: missing; this key is needed'
     if kind == 'extra_forbidden':
         return f'{key}: unknown key; got {_shown(error["input"])}'
-    allowed = {'finite_number': 'a finite number', 'float_type': 'a number', 'int_type': 'a whole number',
-               'string_type': 'text', 'list_type': 'a list', 'model_type': 'a table of keys',
-               'literal_error': context.get('expected')}.get(kind)
+    allowed = {
+        'finite_number': 'a finite number',
+        'float_type': 'a number',
+        'int_type': 'a whole number',
+        'string_type': 'text',
+        'list_type': 'a list',
+        'model_type': 'a table of keys',
+        'literal_error': context.get('expected'),
+    }.get(kind)
     return f'{key}: got {_shown(error["input"])}; allowed: {allowed or _lowered(error["msg"])}'
 
 

@@ -1,4 +1,5 @@
 """The keys of a scenario file and what each may hold (pydantic models, used by scenario_file.py only)."""
+
 from typing import Annotated, Any, Literal, Optional, Union
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
@@ -87,7 +88,11 @@ class ScenarioTable(_Table):
     hand: HandTable
     palm: PalmTable
     gravity: GravityTable
-    start: Annotated[Union[Annotated[StartOnEdgeTable, Tag(ON_EDGE)], Annotated[StartAtPoseTable, Tag(AT_POSE)]],
-                     Discriminator(_kind)]
-    goal: Annotated[Union[Annotated[GoalOnEdgeTable, Tag(ON_EDGE)], Annotated[GoalAtPoseTable, Tag(AT_POSE)]],
-                    Discriminator(_kind)]
+    start: Annotated[
+        Union[Annotated[StartOnEdgeTable, Tag(ON_EDGE)], Annotated[StartAtPoseTable, Tag(AT_POSE)]],
+        Discriminator(_kind),
+    ]
+    goal: Annotated[
+        Union[Annotated[GoalOnEdgeTable, Tag(ON_EDGE)], Annotated[GoalAtPoseTable, Tag(AT_POSE)]],
+        Discriminator(_kind),
+    ]

@@ -1,13 +1,14 @@
 """A manipulation trajectory: what both fingers shall do over time, in which mode, and why it is expected to work."""
+
 import json
 from dataclasses import dataclass, field
 from typing import Optional
 
 import numpy as np
 
-from ..errors import DocumentError
-from .arrays import readonly
-from .hand import JOINT_NAMES, SIDES
+from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.hand import JOINT_NAMES, SIDES
 
 FORMAT = 'wholearm-trajectory/1'
 QUASI_STATIC, DWELL, DYNAMIC, CAGING = 'quasi_static', 'dwell', 'dynamic', 'caging'
@@ -98,9 +99,18 @@ class ManipulationTrajectory:
         s = min(max(t / self.period, 0.0), float(last))
         i = min(int(s), last - 1)
         u, h = s - i, self.period
-        p0, p1, v0, v1 = self.angles[i], self.angles[i + 1], self.velocities[i], self.velocities[i + 1]
-        angles = (p0 * ((1 + 2 * u) * (1 - u) ** 2) + p1 * (u * u * (3 - 2 * u))
-                  + h * v0 * (u * (1 - u) ** 2) + h * v1 * (u * u * (u - 1)))
+        p0, p1, v0, v1 = (
+            self.angles[i],
+            self.angles[i + 1],
+            self.velocities[i],
+            self.velocities[i + 1],
+        )
+        angles = (
+            p0 * ((1 + 2 * u) * (1 - u) ** 2)
+            + p1 * (u * u * (3 - 2 * u))
+            + h * v0 * (u * (1 - u) ** 2)
+            + h * v1 * (u * u * (u - 1))
+        )
         held = t < 0.0 or t > self.duration
         velocities = np.zeros(2) if held else (1 - u) * v0 + u * v1
         efforts = (1 - u) * self.efforts[i] + u * self.efforts[i + 1]
@@ -115,16 +125,38 @@ class ManipulationTrajectory:
 
     def to_json(self) -> str:
         """The document `wholearm-trajectory/1`."""
-        return json.dumps({
-            'format': FORMAT, 'plan_id': self.plan_id, 'joint_names': list(JOINT_NAMES), 'period': self.period,
-            'angles': self.angles.tolist(), 'velocities': self.velocities.tolist(), 'efforts': self.efforts.tolist(),
-            'torque_ranges': [[None if np.isnan(v) else v for v in row] for row in self.torque_ranges.tolist()],
-            'poses': self.poses.tolist(),
-            'segments': [{'start': s.start, 'end': s.end, 'mode': s.mode, 'velocity_finger': SIDES[s.velocity_finger],
-                          'contacts': list(s.contacts), 'degree_of_constraint': list(s.degree_of_constraint),
-                          'conditioning': list(s.conditioning)} for s in self.segments],
-            'transitions': list(self.transitions), 'verification': self.verification, 'notes': self.notes,
-        }, separators=(',', ':'), allow_nan=False)
+        return json.dumps(
+            {
+                'format': FORMAT,
+                'plan_id': self.plan_id,
+                'joint_names': list(JOINT_NAMES),
+                'period': self.period,
+                'angles': self.angles.tolist(),
+                'velocities': self.velocities.tolist(),
+                'efforts': self.efforts.tolist(),
+                'torque_ranges': [
+                    [None if np.isnan(v) else v for v in row] for row in self.torque_ranges.tolist()
+                ],
+                'poses': self.poses.tolist(),
+                'segments': [
+                    {
+                        'start': s.start,
+                        'end': s.end,
+                        'mode': s.mode,
+                        'velocity_finger': SIDES[s.velocity_finger],
+                        'contacts': list(s.contacts),
+                        'degree_of_constraint': list(s.degree_of_constraint),
+                        'conditioning': list(s.conditioning),
+                    }
+                    for s in self.segments
+                ],
+                'transitions': list(self.transitions),
+                'verification': self.verification,
+                'notes': self.notes,
+            },
+            separators=(',', ':'),
+            allow_nan=False,
+        )
 
     @classmethod
     def from_json(cls, text: str) -> 'ManipulationTrajectory':
@@ -132,30 +164,75 @@ class ManipulationTrajectory:
         try:
             d = json.loads(text)
             if d.get('format') != FORMAT:
-                raise DocumentError(f"trajectory document: format is {d.get('format')!r}; allowed: {FORMAT!r}")
-            segments = tuple(Segment(float(s['start']), float(s['end']), s['mode'], SIDES.index(s['velocity_finger']),
-                                     tuple(s['contacts']), tuple(s['degree_of_constraint']), tuple(s['conditioning']))
-                             for s in d['segments'])
-            ranges = [[np.nan if v is None else float(v) for v in row] for row in d['torque_ranges']]
-            result = cls(d['plan_id'], float(d['period']), d['angles'], d['velocities'], d['efforts'], ranges,
-                         d['poses'], segments, tuple(d['transitions']), d['verification'], d['notes'])
+                raise DocumentError(
+                    f'trajectory document: format is {d.get("format")!r}; allowed: {FORMAT!r}'
+                )
+            segments = tuple(
+                Segment(
+                    float(s['start']),
+                    float(s['end']),
+                    s['mode'],
+                    SIDES.index(s['velocity_finger']),
+                    tuple(s['contacts']),
+                    tuple(s['degree_of_constraint']),
+                    tuple(s['conditioning']),
+                )
+                for s in d['segments']
+            )
+            ranges = [
+                [np.nan if v is None else float(v) for v in row] for row in d['torque_ranges']
+            ]
+            result = cls(
+                d['plan_id'],
+                float(d['period']),
+                d['angles'],
+                d['velocities'],
+                d['efforts'],
+                ranges,
+                d['poses'],
+                segments,
+                tuple(d['transitions']),
+                d['verification'],
+                d['notes'],
+            )
         except DocumentError:
             raise
-        except (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError) as error:
-            raise DocumentError(f'trajectory document is damaged: {type(error).__name__}: {error}') from error
+        except (
+            ValueError,
+            OverflowError,
+            TypeError,
+            KeyError,
+            AttributeError,
+            RecursionError,
+        ) as error:
+            raise DocumentError(
+                f'trajectory document is damaged: {type(error).__name__}: {error}'
+            ) from error
         result._check()
         return result
 
     def _check(self):
         m = len(self.angles)
-        if not (isinstance(self.plan_id, str) and np.isfinite(self.period) and self.period > 0.0 and m >= 2
-                and {len(self.velocities), len(self.efforts), len(self.torque_ranges), len(self.poses)} == {m}):
-            raise DocumentError('trajectory document: needs period > 0 and at least two samples, the same number everywhere')
+        if not (
+            isinstance(self.plan_id, str)
+            and np.isfinite(self.period)
+            and self.period > 0.0
+            and m >= 2
+            and {len(self.velocities), len(self.efforts), len(self.torque_ranges), len(self.poses)}
+            == {m}
+        ):
+            raise DocumentError(
+                'trajectory document: needs period > 0 and at least two samples, the same number everywhere'
+            )
         ends = [0.0]
         for s in self.segments:
             if s.mode not in MODES or abs(s.start - ends[-1]) > 1e-9 or not s.end > s.start:
-                raise DocumentError(f'trajectory document: segment {s.mode!r} from {s.start} to {s.end}; '
-                                    f'allowed: one of {MODES}, following on the one before')
+                raise DocumentError(
+                    f'trajectory document: segment {s.mode!r} from {s.start} to {s.end}; '
+                    f'allowed: one of {MODES}, following on the one before'
+                )
             ends.append(s.end)
         if len(ends) < 2 or abs(ends[-1] - self.duration) > 1e-6:
-            raise DocumentError(f'trajectory document: segments end at {ends[-1]}, samples at {self.duration}')
+            raise DocumentError(
+                f'trajectory document: segments end at {ends[-1]}, samples at {self.duration}'
+            )

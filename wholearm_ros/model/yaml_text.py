@@ -1,11 +1,12 @@
 """Reading a small YAML or JSON file strictly: size bounded, no aliases, no key twice, 1e-3 is a number."""
+
 import re
 from pathlib import Path
 from typing import Union
 
 import yaml
 
-from ..errors import ScenarioError
+from wholearm_ros.errors import ScenarioError
 
 MAX_BYTES = 256 * 1024  # a scenario is a few kB; more is a mistake
 
@@ -15,8 +16,9 @@ class _StrictLoader(yaml.SafeLoader):
 
     def compose_node(self, parent, index):
         if self.check_event(yaml.AliasEvent):
-            raise yaml.constructor.ConstructorError(None, None, 'an alias (*) is not allowed here',
-                                                    self.peek_event().start_mark)
+            raise yaml.constructor.ConstructorError(
+                None, None, 'an alias (*) is not allowed here', self.peek_event().start_mark
+            )
         return super().compose_node(parent, index)
 
     def construct_mapping(self, node, deep=False):
@@ -24,14 +26,19 @@ class _StrictLoader(yaml.SafeLoader):
         for key_node, _ in node.value:
             key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
             if key in seen:
-                raise yaml.constructor.ConstructorError(None, None, f'key {key!r} is given twice', key_node.start_mark)
+                raise yaml.constructor.ConstructorError(
+                    None, None, f'key {key!r} is given twice', key_node.start_mark
+                )
             seen.add(key)
         return super().construct_mapping(node, deep)
 
 
 # YAML 1.1 reads 1e-3 as text; YAML 1.2 and JSON read it as a number, and so do people.
 _StrictLoader.add_implicit_resolver(
-    'tag:yaml.org,2002:float', re.compile(r'^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+$'), list('-+.0123456789'))
+    'tag:yaml.org,2002:float',
+    re.compile(r'^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+$'),
+    list('-+.0123456789'),
+)
 
 
 def read_mapping(path: Union[str, Path]) -> dict:
@@ -48,11 +55,15 @@ def read_text(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> str:
     except OSError as error:
         raise ScenarioError(f'{path}: cannot be read: {error.strerror or error}') from error
     if len(data) > max_bytes:
-        raise ScenarioError(f'{path}: got more than {max_bytes} bytes; allowed: at most {max_bytes}')
+        raise ScenarioError(
+            f'{path}: got more than {max_bytes} bytes; allowed: at most {max_bytes}'
+        )
     try:
         return data.decode('utf-8')
     except UnicodeDecodeError as error:
-        raise ScenarioError(f'{path}: got bytes that are not text; allowed: UTF-8 (YAML or JSON)') from error
+        raise ScenarioError(
+            f'{path}: got bytes that are not text; allowed: UTF-8 (YAML or JSON)'
+        ) from error
 
 
 def parse_mapping(text: str, source: str) -> dict:
@@ -65,7 +76,9 @@ def parse_mapping(text: str, source: str) -> dict:
         raise ScenarioError(f'{source}: is not a scenario: {error}') from error
     if not isinstance(data, dict):
         got = 'nothing' if data is None else type(data).__name__
-        raise ScenarioError(f'{source}: got {got}; allowed: a table with the keys object, hand, palm, gravity, start, goal')
+        raise ScenarioError(
+            f'{source}: got {got}; allowed: a table with the keys object, hand, palm, gravity, start, goal'
+        )
     return data
 
 

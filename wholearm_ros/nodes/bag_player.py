@@ -1,4 +1,5 @@
 """Plays a bag back: its messages on their topics, with their timing, as the bytes that were recorded."""
+
 import importlib
 import sys
 import threading
@@ -9,22 +10,38 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.interfaces import QosDurability, QosReliability
 from rosgraph_msgs.msg import Clock
 
-from ..errors import BagError
-from ..ros import channels
-from ..ros.bag_reader import Bag
-from ..ros.messages import NANOSECONDS, set_stamp
-from ..ros.node import OK, WholeArmNode, run_node
-from ..ros.parameters import Declared
+from wholearm_ros.bag.reader import Bag
+from wholearm_ros.errors import BagError
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.messages import NANOSECONDS, set_stamp
+from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.node import OK, WholeArmNode, run_node
 
 DECLARED = (
     Declared('path', '', 'directory of the bag'),
     Declared('rate', 1.0, 'factor on the speed', 0.001, 1000.0),
-    Declared('start', 0.0, 'offset into the bag at which to begin; the newest latched message of before is sent first [s]',
-             0.0, 1e6),
+    Declared(
+        'start',
+        0.0,
+        'offset into the bag at which to begin; the newest latched message of before is sent first [s]',
+        0.0,
+        1e6,
+    ),
     Declared('topics', [''], 'ends of the names of the topics to play; empty: all'),
-    Declared('clock', 0.0, 'rate of /clock in the time of the bag [Hz]; 0: none (a recorded /clock is played as it is)',
-             0.0, 10000.0),
-    Declared('wait_for_subscribers', 0.0, 'for as long as there is a topic without, at most [s]', 0.0, 600.0),
+    Declared(
+        'clock',
+        0.0,
+        'rate of /clock in the time of the bag [Hz]; 0: none (a recorded /clock is played as it is)',
+        0.0,
+        10000.0,
+    ),
+    Declared(
+        'wait_for_subscribers',
+        0.0,
+        'for as long as there is a topic without, at most [s]',
+        0.0,
+        600.0,
+    ),
     Declared('stay', False, 'keep latched topics after the end'),
 )
 PIECE = 0.1  # [s] longest sleep, so that a signal is heard
@@ -38,13 +55,23 @@ class BagPlayer(WholeArmNode):
         p, self.played, self.done, self.leaving = self.parameters, 0, False, False
         self.bag = Bag(Path(p.path)).__enter__()
         if self.bag.cut:
-            self.get_logger().warning(f'{", ".join(self.bag.cut)} was cut off; played up to its last whole record')
+            self.get_logger().warning(
+                f'{", ".join(self.bag.cut)} was cut off; played up to its last whole record'
+            )
         ends = [t for t in p.topics if t]
-        self.connections = [c for c in self.bag.connections
-                            if not ends or any(c.topic == e or c.topic.endswith('/' + e) for e in ends)]
+        self.connections = [
+            c
+            for c in self.bag.connections
+            if not ends or any(c.topic == e or c.topic.endswith('/' + e) for e in ends)
+        ]
         if not self.connections:
-            raise BagError(f'topics: none of {ends} is in the bag; allowed: {[c.topic for c in self.bag.connections]}')
-        self.outlets = {c.id: self.create_publisher(message_class(c.msgtype), c.topic, qos_of(c)) for c in self.connections}
+            raise BagError(
+                f'topics: none of {ends} is in the bag; allowed: {[c.topic for c in self.bag.connections]}'
+            )
+        self.outlets = {
+            c.id: self.create_publisher(message_class(c.msgtype), c.topic, qos_of(c))
+            for c in self.connections
+        }
         self.latched = {c.id for c in self.connections if is_latched(c)}
         self.clock = self.publisher(channels.CLOCK) if p.clock else None
         self.thread = threading.Thread(target=self.play, daemon=True)
@@ -100,7 +127,11 @@ class BagPlayer(WholeArmNode):
         return self.done and not self.parameters.stay
 
     def health(self):
-        return OK, 'done' if self.done else 'playing', {'path': self.parameters.path, 'messages': self.played}
+        return (
+            OK,
+            'done' if self.done else 'playing',
+            {'path': self.parameters.path, 'messages': self.played},
+        )
 
     def leave(self):
         self.leaving = True
@@ -117,16 +148,23 @@ def message_class(name: str) -> type:
 
 
 def is_latched(connection) -> bool:
-    return any(q.durability == QosDurability.TRANSIENT_LOCAL for q in connection.ext.offered_qos_profiles)
+    return any(
+        q.durability == QosDurability.TRANSIENT_LOCAL for q in connection.ext.offered_qos_profiles
+    )
 
 
 def qos_of(connection) -> QoSProfile:
     """As the bag says it was offered, but deep: nothing shall be lost on the way."""
-    best_effort = any(q.reliability == QosReliability.BEST_EFFORT for q in connection.ext.offered_qos_profiles)
-    return QoSProfile(depth=1 if is_latched(connection) else 1000,
-                      reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-                      durability=DurabilityPolicy.TRANSIENT_LOCAL if is_latched(connection)
-                      else DurabilityPolicy.VOLATILE)
+    best_effort = any(
+        q.reliability == QosReliability.BEST_EFFORT for q in connection.ext.offered_qos_profiles
+    )
+    return QoSProfile(
+        depth=1 if is_latched(connection) else 1000,
+        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL
+        if is_latched(connection)
+        else DurabilityPolicy.VOLATILE,
+    )
 
 
 def main():

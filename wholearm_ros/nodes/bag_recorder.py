@@ -1,4 +1,5 @@
 """Records the topics of a run into a rosbag2 bag, as the bytes they came in."""
+
 import sqlite3
 import sys
 import time
@@ -8,18 +9,31 @@ from pathlib import Path
 from rclpy.qos import QoSProfile
 from rosbags.rosbag2 import WriterError
 
-from ..errors import BagError
-from ..ros import channels
-from ..ros.bag_types import jazzy_typestore, offered, type_name
-from ..ros.bag_writer import STORAGES, BagWriter
-from ..ros.node import ERROR, OK, WholeArmNode, run_node
-from ..ros.parameters import Declared
+from wholearm_ros.bag.types import jazzy_typestore
+from wholearm_ros.bag.writer import STORAGES, BagWriter
+from wholearm_ros.errors import BagError
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.bag_types import offered, type_name
+from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.node import ERROR, OK, WholeArmNode, run_node
 
 DECLARED = (
-    Declared('path', '', 'directory of the bag, made by the recorder; empty: wholearm_<date and time> here'),
+    Declared(
+        'path',
+        '',
+        'directory of the bag, made by the recorder; empty: wholearm_<date and time> here',
+    ),
     Declared('storage', 'mcap', 'format of the bag', choices=tuple(STORAGES)),
-    Declared('topics', [''], 'topics of the graph to record, by their names in docs/ros.md; empty: all'),
-    Declared('checkpoint_period', 0.5, 'between two moments at which everything is on disk [s]', 0.05, 60.0),
+    Declared(
+        'topics', [''], 'topics of the graph to record, by their names in docs/ros.md; empty: all'
+    ),
+    Declared(
+        'checkpoint_period',
+        0.5,
+        'between two moments at which everything is on disk [s]',
+        0.05,
+        60.0,
+    ),
 )
 QUEUE = 5000  # messages of one topic that may wait while a checkpoint is written
 
@@ -38,7 +52,9 @@ class BagRecorder(WholeArmNode):
 
         self.bag = BagWriter(self.path, p.storage) if not self.path.exists() else None
         if self.bag is None:
-            raise BagError(f'path: {self.path} exists; allowed: a directory that does not exist yet')
+            raise BagError(
+                f'path: {self.path} exists; allowed: a directory that does not exist yet'
+            )
         try:
             self.bag.open()
         except (OSError, WriterError, sqlite3.Error) as error:
@@ -58,15 +74,22 @@ class BagRecorder(WholeArmNode):
         return [known[n] for n in names] or list(channels.RECORDED)
 
     def record(self, topic: channels.Topic, store):
-        connection = self.bag.add_connection(self.resolve_topic_name(topic.name), type_name(topic.type), typestore=store,
-                                             offered_qos_profiles=[offered(topic.qos)])
-        qos = QoSProfile(depth=QUEUE, reliability=topic.qos.reliability, durability=topic.qos.durability)
+        connection = self.bag.add_connection(
+            self.resolve_topic_name(topic.name),
+            type_name(topic.type),
+            typestore=store,
+            offered_qos_profiles=[offered(topic.qos)],
+        )
+        qos = QoSProfile(
+            depth=QUEUE, reliability=topic.qos.reliability, durability=topic.qos.durability
+        )
         write, clock = self.bag.write, time.time_ns
 
         def keep(data: bytes):
             if not self.problem:
                 write(connection, clock(), data)
                 self.recorded += 1
+
         self.create_subscription(topic.type, topic.name, keep, qos, raw=True)
 
     def checkpoint(self):
@@ -88,7 +111,11 @@ class BagRecorder(WholeArmNode):
         self.get_logger().info(f'{self.recorded} messages in {self.path}')
 
     def health(self):
-        values = {'path': self.path, 'messages': self.recorded, 'slowest checkpoint ms': 1e3 * self.slowest}
+        values = {
+            'path': self.path,
+            'messages': self.recorded,
+            'slowest checkpoint ms': 1e3 * self.slowest,
+        }
         return (ERROR, self.problem, values) if self.problem else (OK, 'recording', values)
 
 

@@ -1,4 +1,5 @@
 """Plans routes of contact states: the scenario as configured, or between two poses of its object."""
+
 import sys
 import threading
 import traceback
@@ -9,30 +10,61 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from ..errors import WholeArmError
-from ..warm import warm
-from ..mechanics.contacts import close_finger
-from ..mechanics.world import build_world
-from ..model.hand import LEFT, RIGHT
-from ..model.scenario import GoalAtPose, StartAtPose
-from ..model.scenario_file import parse_scenario, scenario_to_dict
-from ..offer import Request, offer
-from ..ros import channels
-from ..ros.declared import SCENARIO, scenario_of
-from ..ros.messages import MessageError, pose_message, status_message, to_planar
-from ..ros.node import OK, WARN, WholeArmNode, run_node
-from ..ros.parameters import Declared
+from wholearm_ros.errors import WholeArmError
+from wholearm_ros.mechanics.contacts import close_finger
+from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.hand import LEFT, RIGHT
+from wholearm_ros.model.scenario import GoalAtPose, StartAtPose
+from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
+from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.warm import warm
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
+from wholearm_ros.ros.interface.messages import (
+    MessageError,
+    pose_message,
+    status_message,
+    to_planar,
+)
+from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode, run_node
 
 DECLARED = (
     replace(SCENARIO, read_only=False),
-    Declared('seed', 0, 'of everything drawn at random; the same seed gives the same plan', 0, 2 ** 31 - 1, read_only=False),
-    Declared('search', 'best', "best: widest margins first; random: the paper's", choices=('best', 'random'),
-             read_only=False),
-    Declared('transition', 'auto', 'how torque ranges that do not overlap are crossed',
-             choices=('auto', 'dwell', 'dynamic'), read_only=False),
-    Declared('time_budget', 180.0, 'after which no further candidate is begun [s]', 0.0, 3600.0, read_only=False),
+    Declared(
+        'seed',
+        0,
+        'of everything drawn at random; the same seed gives the same plan',
+        0,
+        2**31 - 1,
+        read_only=False,
+    ),
+    Declared(
+        'search',
+        'best',
+        "best: widest margins first; random: the paper's",
+        choices=('best', 'random'),
+        read_only=False,
+    ),
+    Declared(
+        'transition',
+        'auto',
+        'how torque ranges that do not overlap are crossed',
+        choices=('auto', 'dwell', 'dynamic'),
+        read_only=False,
+    ),
+    Declared(
+        'time_budget',
+        180.0,
+        'after which no further candidate is begun [s]',
+        0.0,
+        3600.0,
+        read_only=False,
+    ),
 )
-TOLERANCE = np.array([0.01, 0.005, 0.03])  # [m, m, rad] of the goal pose of a `plan` request without one
+TOLERANCE = np.array(
+    [0.01, 0.005, 0.03]
+)  # [m, m, rad] of the goal pose of a `plan` request without one
 BUSY = 'busy with another plan; allowed: one at a time'
 
 
@@ -45,14 +77,19 @@ class ContactStatePlanner(WholeArmNode):
         self.busy, self.planned = False, 0
         self.contact_plan = self.publisher(channels.CONTACT_PLAN)
         self.status = self.publisher(channels.PLANNER_STATUS)
-        self.tell(OK, 'loading the compiled kernels; the first time they are compiled, which takes a minute')
+        self.tell(
+            OK,
+            'loading the compiled kernels; the first time they are compiled, which takes a minute',
+        )
         warm()  # before anybody can ask: no request pays for it
         self.service(channels.PLAN, self.on_plan)
         self.service(channels.PLAN_SCENARIO, self.on_plan_scenario)
         self.tell(OK, 'ready')
 
     async def on_plan_scenario(self, _, response):
-        response.success, response.message, _ = await self.answer(lambda: scenario_of(self.parameters))
+        response.success, response.message, _ = await self.answer(
+            lambda: scenario_of(self.parameters)
+        )
         return response
 
     async def on_plan(self, request, response):
@@ -74,7 +111,9 @@ class ContactStatePlanner(WholeArmNode):
         tolerance[:2] = request.tolerance or tolerance[:2]
         world = build_world(scenario)
         fingers = [close_finger(world, start, side) for side in (LEFT, RIGHT)]
-        asked = replace(scenario, start=StartAtPose(start, fingers), goal=GoalAtPose(goal, tolerance))
+        asked = replace(
+            scenario, start=StartAtPose(start, fingers), goal=GoalAtPose(goal, tolerance)
+        )
         return parse_scenario(scenario_to_dict(asked), 'plan request')
 
     async def answer(self, make_scenario):
@@ -85,13 +124,17 @@ class ContactStatePlanner(WholeArmNode):
         try:
             scenario = make_scenario()
             self.tell(OK, f'planning {scenario.name}')
-            threading.Thread(target=self.plan, args=(scenario, self.request(), done), daemon=True).start()
+            threading.Thread(
+                target=self.plan, args=(scenario, self.request(), done), daemon=True
+            ).start()
             result = await done
             if isinstance(result, Exception):
                 raise result
         except WholeArmError as error:
             return self.no_plan(str(error))
-        except Exception as error:  # a fault of ours: whoever asked is told, and may ask for something else
+        except (
+            Exception
+        ) as error:  # a fault of ours: whoever asked is told, and may ask for something else
             traceback.print_exception(error)
             return self.no_plan(f'the planner failed by a fault of its own: {error!r}')
         finally:
@@ -115,13 +158,24 @@ class ContactStatePlanner(WholeArmNode):
         self.planned += found
         if found:
             self.contact_plan.publish(String(data=plan.to_json()))
-        self.tell(OK if found else WARN, plan.summary(),
-                  {'plan id': plan.id, 'outcome': plan.outcome, 'seed': plan.seed, **result.timings, **plan.counts})
+        self.tell(
+            OK if found else WARN,
+            plan.summary(),
+            {
+                'plan id': plan.id,
+                'outcome': plan.outcome,
+                'seed': plan.seed,
+                **result.timings,
+                **plan.counts,
+            },
+        )
         return found, plan.summary(), plan if found else None
 
     def request(self) -> Request:
         p = self.parameters
-        return Request(search=p.search, seed=p.seed, transition=p.transition, time_budget=p.time_budget)
+        return Request(
+            search=p.search, seed=p.seed, transition=p.transition, time_budget=p.time_budget
+        )
 
     def tell(self, level, message, values=None):
         self.status.publish(status_message(self.get_fully_qualified_name(), level, message, values))

@@ -1,4 +1,5 @@
 """The hand's stand-in as a node: joint states out, joint commands in, in real time or in lockstep. Replace it by yours."""
+
 import sys
 import threading
 import time
@@ -7,35 +8,57 @@ import numpy as np
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
-from ..mechanics.contacts import start_configuration
-from ..model.hand import SIDES
-from ..ros import channels
-from ..ros.declared import PACING, SCENARIO, scenario_of
-from ..ros.drive_guard import BRAKE, LIMP, STOPPED, DriveGuard
-from ..ros.frames import Frames
-from ..ros.loop_meter import LoopMeter
-from ..ros.markers import state_markers
-from ..ros.messages import NANOSECONDS, fill_pose, joint_states_bytes, pose_message, set_stamp, to_command
-from ..ros.node import ERROR, OK, WARN, WholeArmNode, run_node
-from ..ros.pace import WallClock
-from ..ros.parameters import Declared
-from ..ros.robot_description import urdf
-from ..simulation.backend import BACKENDS, make_hand
+from wholearm_ros.control.command_watchdog import BRAKE, LIMP, STOPPED, CommandWatchdog
+from wholearm_ros.control.periodic_timer import PeriodicTimer
+from wholearm_ros.mechanics.contacts import start_configuration
+from wholearm_ros.model.hand import SIDES
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.common_parameters import PACING, SCENARIO, scenario_of
+from wholearm_ros.ros.interface.frames import Frames
+from wholearm_ros.ros.interface.messages import (
+    NANOSECONDS,
+    fill_pose,
+    joint_states_bytes,
+    pose_message,
+    set_stamp,
+    to_command,
+)
+from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.loop_meter import LoopMeter
+from wholearm_ros.ros.node.node import ERROR, OK, WARN, WholeArmNode, run_node
+from wholearm_ros.ros.visualization.markers import state_markers
+from wholearm_ros.ros.visualization.robot_description import urdf
+from wholearm_ros.simulation.hand import BACKENDS, make_hand
 
 DECLARED = (
-    SCENARIO, PACING,
+    SCENARIO,
+    PACING,
     Declared('backend', 'pybullet', 'the physics; planar needs no PyBullet', choices=BACKENDS),
     Declared('view', False, "PyBullet's window, where there is a screen"),
     Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
     Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),
-    Declared('command_timeout', 0.015, 'age of a command beyond which the drives hold the fingers; realtime [s]', 0.002, 1.0),
+    Declared(
+        'command_timeout',
+        0.015,
+        'age of a command beyond which the drives hold the fingers; realtime [s]',
+        0.002,
+        1.0,
+    ),
     Declared('hold_time', 0.5, 'how long they hold before they let go; realtime [s]', 0.0, 60.0),
-    Declared('lockstep_timeout', 10.0, 'wait for the commands of a step after which the wait is reported [s]', 0.1, 600.0),
+    Declared(
+        'lockstep_timeout',
+        10.0,
+        'wait for the commands of a step after which the wait is reported [s]',
+        0.1,
+        600.0,
+    ),
 )
 FIRST_STAMP = NANOSECONDS  # of simulated time: zero means "no time yet" in ROS
-SWITCH_INTERVAL = 0.0002   # [s] for which another thread of this process may keep the motors' thread waiting
-REPEAT_PERIOD = 0.05       # [s] between two sendings of one state while lockstep waits
-SHOW_PERIOD = 0.1          # [s] between two sendings of markers and transforms
+SWITCH_INTERVAL = (
+    0.0002  # [s] for which another thread of this process may keep the motors' thread waiting
+)
+REPEAT_PERIOD = 0.05  # [s] between two sendings of one state while lockstep waits
+SHOW_PERIOD = 0.1  # [s] between two sendings of markers and transforms
 
 
 class HandHardware(WholeArmNode):
@@ -52,8 +75,11 @@ class HandHardware(WholeArmNode):
         self.hand.step(np.zeros(2))  # whatever must be compiled is compiled now
         self.hand.reset(self.start)
         hand = self.scenario.hand
-        self.guard = DriveGuard([hand.left.torque_limit, hand.right.torque_limit],
-                                round(p.command_timeout * NANOSECONDS), round(p.hold_time * NANOSECONDS))
+        self.guard = CommandWatchdog(
+            [hand.left.torque_limit, hand.right.torque_limit],
+            round(p.command_timeout * NANOSECONDS),
+            round(p.hold_time * NANOSECONDS),
+        )
         self.steps, self.told_state, self.meter = 0, BRAKE, LoopMeter()
         self.pose_every = max(1, round(p.motor_rate / p.object_pose_rate))
         self.now = FIRST_STAMP if self.lockstep else self.get_clock().now().nanoseconds
@@ -78,7 +104,7 @@ class HandHardware(WholeArmNode):
             self.every(REPEAT_PERIOD, self.repeat)
         else:
             sys.setswitchinterval(SWITCH_INTERVAL)
-            self.pace = WallClock(self.period)
+            self.pace = PeriodicTimer(self.period)
             threading.Thread(target=self.run_on_the_wall_clock, daemon=True).start()
 
     def on_command(self, message):
@@ -108,7 +134,9 @@ class HandHardware(WholeArmNode):
             set_stamp(self.clock_message.clock, self.now)
             self.clock.publish(self.clock_message)
         self.meter.sent(self.now)
-        self.joint_states.publish(joint_states_bytes(self.now, *self.hand.joints(), self.hand.efforts()))
+        self.joint_states.publish(
+            joint_states_bytes(self.now, *self.hand.joints(), self.hand.efforts())
+        )
         if with_pose:
             set_stamp(self.pose_message.header.stamp, self.now)
             fill_pose(self.pose_message.pose, self.hand.object_pose())
@@ -142,26 +170,44 @@ class HandHardware(WholeArmNode):
             self.guard.reset(self.now)
             self.answered = time.monotonic()
             self.publish_state(True)
-        response.success, response.message = True, 'object and fingers are back at the start, the drives hold'
+        response.success, response.message = (
+            True,
+            'object and fingers are back at the start, the drives hold',
+        )
         return response
 
     def on_stop(self, _, response):
         """Past every other node: from the motors' next period on."""
         with self.lock:
             self.guard.stop()
-        response.success, response.message = True, 'the drives hold both fingers and take no command until hand_hardware/reset'
+        response.success, response.message = (
+            True,
+            'the drives hold both fingers and take no command until hand_hardware/reset',
+        )
         return response
 
     def health(self):
         guard, waiting = self.guard, time.monotonic() - self.answered
-        values = {'state': guard.state, 'pacing': self.parameters.pacing, 'stamp': self.now, 'steps': self.steps,
-                  'late commands': guard.late, 'commands at the limit': guard.saturated, 'watchdog trips': guard.trips}
+        values = {
+            'state': guard.state,
+            'pacing': self.parameters.pacing,
+            'stamp': self.now,
+            'steps': self.steps,
+            'late commands': guard.late,
+            'commands at the limit': guard.saturated,
+            'watchdog trips': guard.trips,
+        }
         for side, taken, newest in zip(SIDES, guard.taken, guard.newest):
             values.update({f'{side} commands': taken, f'{side} newest': newest})
         values.update(self.meter.figures())
         if not self.lockstep:
-            values.update({'overruns': self.pace.overruns, 'worst lateness ms': self.pace.worst_late / 1e6,
-                           'behind the wall clock ms': self.pace.slipped / 1e6})
+            values.update(
+                {
+                    'overruns': self.pace.overruns,
+                    'worst lateness ms': self.pace.worst_late / 1e6,
+                    'behind the wall clock ms': self.pace.slipped / 1e6,
+                }
+            )
         if guard.state == LIMP:
             return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
         if guard.state == STOPPED:

@@ -1,4 +1,5 @@
 """Leads both fingers along the trajectory of the goal that executes: a setpoint for each controller, for every joint state."""
+
 import sys
 import time
 from dataclasses import replace
@@ -6,24 +7,48 @@ from dataclasses import replace
 from action_msgs.msg import GoalStatus
 from std_msgs.msg import String
 
-from ..control.mode_switch import DONE, IDLE, STOPPED
-from ..model.trajectory import ManipulationTrajectory
-from ..ros import channels
-from ..ros.declared import HANDOVER, MAX_TRACKING_ERROR, PACING, RAMP, switch_options_of
-from ..ros.execution import Execution, jumped
-from ..ros.messages import effort_bytes, goal_id_of, goal_name, to_joints, to_nanoseconds, velocity_setpoint_bytes
-from ..ros.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode, run_node
-from ..ros.parameters import Declared
+from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.common_parameters import (
+    HANDOVER,
+    MAX_TRACKING_ERROR,
+    PACING,
+    RAMP,
+    switch_options_of,
+)
+from wholearm_ros.ros.interface.messages import (
+    effort_bytes,
+    goal_id_of,
+    goal_name,
+    to_joints,
+    to_nanoseconds,
+    velocity_setpoint_bytes,
+)
+from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.execution import Execution, jumped
+from wholearm_ros.ros.node.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode, run_node
 
 DECLARED = (
-    PACING, RAMP, HANDOVER, MAX_TRACKING_ERROR, replace(DIAGNOSTICS_RATE, default=10.0),
+    PACING,
+    RAMP,
+    HANDOVER,
+    MAX_TRACKING_ERROR,
+    replace(DIAGNOSTICS_RATE, default=10.0),
     Declared('settle', 0.5, 'how long the end is held before the mode says done [s]', 0.0, 60.0),
-    Declared('start_tolerance', 0.05, 'of both angles from the start of a trajectory [rad]', 1e-4, 1.0),
-    Declared('joint_states_timeout', 0.1, 'without joint states beyond which a run stops; in lockstep at least 10 [s]',
-             0.002, 600.0),
+    Declared(
+        'start_tolerance', 0.05, 'of both angles from the start of a trajectory [rad]', 1e-4, 1.0
+    ),
+    Declared(
+        'joint_states_timeout',
+        0.1,
+        'without joint states beyond which a run stops; in lockstep at least 10 [s]',
+        0.002,
+        600.0,
+    ),
 )
-WATCH_PERIOD = 0.01        # [s]
-CONTROLLERS_WITHIN = 5.0   # [s] after a goal, both must listen to their setpoints
+WATCH_PERIOD = 0.01  # [s]
+CONTROLLERS_WITHIN = 5.0  # [s] after a goal, both must listen to their setpoints
 
 
 class ModeSwitcher(WholeArmNode):
@@ -65,9 +90,16 @@ class ModeSwitcher(WholeArmNode):
     def on_status(self, message):
         for status in message.status_list:
             goal = (goal_name(goal_id_of(status.goal_info)), to_nanoseconds(status.goal_info.stamp))
-            if status.status == GoalStatus.STATUS_EXECUTING and goal not in (self.last_goal, self.wanted) and not self.running():
+            if (
+                status.status == GoalStatus.STATUS_EXECUTING
+                and goal not in (self.last_goal, self.wanted)
+                and not self.running()
+            ):
                 self.wanted, self.wanted_since = goal, time.monotonic()
-            if status.status == GoalStatus.STATUS_CANCELING and goal in (self.last_goal, self.wanted):
+            if status.status == GoalStatus.STATUS_CANCELING and goal in (
+                self.last_goal,
+                self.wanted,
+            ):
                 self.stop('canceled')
 
     def begin(self):
@@ -75,17 +107,24 @@ class ModeSwitcher(WholeArmNode):
         self.read_trajectory()
         if self.trajectory is None or self.trajectory.plan_id != self.wanted[0]:
             return
-        if not (self.velocity_setpoint.get_subscription_count() and self.torque_setpoint.get_subscription_count()):
+        if not (
+            self.velocity_setpoint.get_subscription_count()
+            and self.torque_setpoint.get_subscription_count()
+        ):
             if time.monotonic() - self.wanted_since > CONTROLLERS_WITHIN:
                 self.last_goal, self.wanted = self.wanted, None
                 self.give_up('no controller listens to the setpoints')
             return
         self.last_goal, self.wanted = self.wanted, None
-        self.execution = Execution(self.trajectory, switch_options_of(self.parameters), self.parameters.settle)
+        self.execution = Execution(
+            self.trajectory, switch_options_of(self.parameters), self.parameters.settle
+        )
         off = float(abs(self.joints.angles - self.trajectory.angles[0]).max())
         if not off <= self.parameters.start_tolerance:
-            self.give_up(f'fingers are {off:.3f} rad from the start of the trajectory; '
-                         f'allowed: {self.parameters.start_tolerance}')
+            self.give_up(
+                f'fingers are {off:.3f} rad from the start of the trajectory; '
+                f'allowed: {self.parameters.start_tolerance}'
+            )
 
     def on_joints(self, message):
         stamp, joints = to_joints(message)
@@ -105,8 +144,10 @@ class ModeSwitcher(WholeArmNode):
         if not self.execution or (self.lockstep and self.execution.over):
             return  # in lockstep time stands still while nothing runs
         motion, torque = self.execution.step(self.stamp, self.joints)
-        self.setpoints = (velocity_setpoint_bytes(self.stamp, motion),
-                          effort_bytes(self.stamp, torque.joint, torque.effort))
+        self.setpoints = (
+            velocity_setpoint_bytes(self.stamp, motion),
+            effort_bytes(self.stamp, torque.joint, torque.effort),
+        )
         self.publish_setpoints()
         if self.execution.mode != self.mode:
             self.tell(self.execution.mode, self.execution.reason)
@@ -144,7 +185,9 @@ class ModeSwitcher(WholeArmNode):
         running = self.execution is not None
         self.stop('mode_switcher/stop was called')
         response.success = True
-        response.message = 'stopped: the fingers hold' if running else 'nothing was running; the drives hold'
+        response.message = (
+            'stopped: the fingers hold' if running else 'nothing was running; the drives hold'
+        )
         return response
 
     def watch(self):
@@ -160,11 +203,17 @@ class ModeSwitcher(WholeArmNode):
 
     def health(self):
         run = self.execution
-        values = {'mode': self.mode, 'reason': self.reason, 'goal': self.last_goal[0] if self.last_goal else '',
-                  'goal stamp': self.last_goal[1] if self.last_goal else 0, 'stamp': self.stamp,
-                  'states': self.states, 'progress': run.progress if run else 0.0,
-                  'time left s': run.time_left if run else 0.0,
-                  'silence ms': 1e3 * (time.monotonic() - self.heard)}
+        values = {
+            'mode': self.mode,
+            'reason': self.reason,
+            'goal': self.last_goal[0] if self.last_goal else '',
+            'goal stamp': self.last_goal[1] if self.last_goal else 0,
+            'stamp': self.stamp,
+            'states': self.states,
+            'progress': run.progress if run else 0.0,
+            'time left s': run.time_left if run else 0.0,
+            'silence ms': 1e3 * (time.monotonic() - self.heard),
+        }
         return ERROR if self.mode == STOPPED else OK, self.reason or self.mode, values
 
 

@@ -1,31 +1,43 @@
 """The planned torque of the torque-controlled finger, open loop, its rate of change limited."""
+
 import math
 import sys
 
-from ..control.open_loop_torque import torque_effort
-from ..ros import channels
-from ..ros.declared import SCENARIO, SLEW_LIMIT, scenario_of
-from ..ros.messages import to_torque_setpoint
-from ..ros.node import run_node
-from ..ros.pairing import ControllerNode
-from ..ros.parameters import Declared
+from wholearm_ros.control.open_loop_torque import torque_effort
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.common_parameters import SCENARIO, SLEW_LIMIT, scenario_of
+from wholearm_ros.ros.interface.messages import to_torque_setpoint
+from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.controller_node import ControllerNode
+from wholearm_ros.ros.node.node import run_node
 
-MOTOR_RATE = Declared('motor_rate', 1000.0, 'of the hardware, for the limit on the rate of change [Hz]', 50.0, 2000.0)
+MOTOR_RATE = Declared(
+    'motor_rate', 1000.0, 'of the hardware, for the limit on the rate of change [Hz]', 50.0, 2000.0
+)
 
 
 class TorqueController(ControllerNode):
     """torque_setpoint, joint_states → joint_commands; the effort before is the one the drives report."""
 
     def __init__(self):
-        super().__init__('torque_controller', (SCENARIO, SLEW_LIMIT, MOTOR_RATE), channels.TORQUE_SETPOINT,
-                         to_torque_setpoint)
+        super().__init__(
+            'torque_controller',
+            (SCENARIO, SLEW_LIMIT, MOTOR_RATE),
+            channels.TORQUE_SETPOINT,
+            to_torque_setpoint,
+        )
         self.hand = scenario_of(self.parameters).hand
 
     def effort(self, setpoint, joints):
         j = setpoint.joint
         before = joints.efforts[j] if math.isfinite(joints.efforts[j]) else 0.0
-        return torque_effort(self.hand[j], setpoint, before, self.parameters.slew_limit,
-                             1.0 / self.parameters.motor_rate)
+        return torque_effort(
+            self.hand[j],
+            setpoint,
+            before,
+            self.parameters.slew_limit,
+            1.0 / self.parameters.motor_rate,
+        )
 
 
 def main():

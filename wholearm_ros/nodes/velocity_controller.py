@@ -1,19 +1,25 @@
 """PD feedback on the motion of the velocity-controlled finger, with its equilibrium torque fed forward."""
+
 import sys
 
-from ..control.pd_velocity import velocity_effort
-from ..ros import channels
-from ..ros.declared import KD, KP, SCENARIO, gains_of, scenario_of
-from ..ros.messages import to_velocity_setpoint
-from ..ros.node import run_node
-from ..ros.pairing import ControllerNode
+from wholearm_ros.control.pd_velocity import velocity_effort
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.common_parameters import KD, KP, SCENARIO, gains_of, scenario_of
+from wholearm_ros.ros.interface.messages import to_velocity_setpoint
+from wholearm_ros.ros.node.controller_node import ControllerNode
+from wholearm_ros.ros.node.node import run_node
 
 
 class VelocityController(ControllerNode):
     """velocity_setpoint, joint_states → joint_commands."""
 
     def __init__(self):
-        super().__init__('velocity_controller', (SCENARIO, KP, KD), channels.VELOCITY_SETPOINT, to_velocity_setpoint)
+        super().__init__(
+            'velocity_controller',
+            (SCENARIO, KP, KD),
+            channels.VELOCITY_SETPOINT,
+            to_velocity_setpoint,
+        )
         self.hand = scenario_of(self.parameters).hand
         self.gains = gains_of(self.parameters)
 
@@ -22,7 +28,9 @@ class VelocityController(ControllerNode):
 
     def effort(self, setpoint, joints):
         j = setpoint.joint
-        return velocity_effort(self.gains, self.hand[j], setpoint, joints.angles[j], joints.velocities[j])
+        return velocity_effort(
+            self.gains, self.hand[j], setpoint, joints.angles[j], joints.velocities[j]
+        )
 
 
 def main():

@@ -1,4 +1,5 @@
 """The last run in a bag (MCAP or sqlite3), read without ROS."""
+
 from pathlib import Path
 from typing import Dict, List, Tuple
 
@@ -6,22 +7,28 @@ import numpy as np
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.typesys import Stores, get_typestore
 
-from ..bag_mending import opened_whole
-from ..control.mode_switch import DONE, STOPPED
-from ..control.setpoints import ControlOptions
-from ..errors import BagError
-from ..model.hand import JOINT_NAMES
-from ..model.perturbation import NOMINAL
-from ..model.plan import ContactPlan
-from ..model.task import start_rotation
-from ..model.trajectory import ManipulationTrajectory
-from ..simulation.outcome import outcome
-from ..simulation.run import RunRecord
-from .run_view import RunView
+from wholearm_ros.bag.mcap_repair import opened_whole
+from wholearm_ros.control.mode_switch import DONE, STOPPED
+from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.errors import BagError
+from wholearm_ros.model.hand import JOINT_NAMES
+from wholearm_ros.model.orientation import start_rotation
+from wholearm_ros.model.perturbation import NOMINAL
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.report.run_view import RunView
+from wholearm_ros.simulation.closed_loop import RunRecord
+from wholearm_ros.simulation.outcome import outcome
 
 NEEDED = ('contact_plan', 'manipulation_trajectory', 'velocity_setpoint', 'joint_states')
-READ = (*NEEDED, 'object_pose', 'mode_switcher/mode', 'trajectory_generator/result', 'contact_state_planner/status')
-SETTLE = 0.5   # [s] shown after the end
+READ = (
+    *NEEDED,
+    'object_pose',
+    'mode_switcher/mode',
+    'trajectory_generator/result',
+    'contact_state_planner/status',
+)
+SETTLE = 0.5  # [s] shown after the end
 RUNNING = ('quasi_static', 'dwell', 'dynamic', 'caging')
 Messages = List[Tuple[int, object]]
 
@@ -31,16 +38,22 @@ def read_bag(path: Path) -> Tuple[ContactPlan, ManipulationTrajectory, RunView]:
     heard = _messages(Path(path))
     lacking = [topic for topic in NEEDED if not heard[topic]]
     if lacking:
-        raise BagError(f'{path}: holds no run, nothing on {", ".join(lacking)}; '
-                       'allowed: a bag recorded from planning to the end of a run')
+        raise BagError(
+            f'{path}: holds no run, nothing on {", ".join(lacking)}; '
+            'allowed: a bag recorded from planning to the end of a run'
+        )
     began = _began(heard)
-    told = [t for t in heard['manipulation_trajectory'] if t[0] <= began[0]] or heard['manipulation_trajectory'][:1]
+    told = [t for t in heard['manipulation_trajectory'] if t[0] <= began[0]] or heard[
+        'manipulation_trajectory'
+    ][:1]
     trajectory = ManipulationTrajectory.from_json(told[-1][1].data)
     plans = [ContactPlan.from_json(message.data) for _, message in heard['contact_plan']]
     plan = next((p for p in reversed(plans) if p.id == trajectory.plan_id), None)
     if plan is None:
-        raise BagError(f'{path}: the plan {trajectory.plan_id} of its trajectory is not in it; '
-                       'allowed: a bag recorded from planning to the end of a run')
+        raise BagError(
+            f'{path}: the plan {trajectory.plan_id} of its trajectory is not in it; '
+            'allowed: a bag recorded from planning to the end of a run'
+        )
     return plan, trajectory, _view(path, heard, plan, trajectory, began)
 
 
@@ -49,11 +62,21 @@ def _messages(path: Path) -> Dict[str, Messages]:
     directory = path.parent if path.suffix in ('.mcap', '.db3') else path
     heard = {topic: [] for topic in READ}
     try:
-        with opened_whole(directory) as whole, AnyReader([whole], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
-            topics = {c.topic: topic for topic in READ for c in bag.connections if c.topic.endswith('/' + topic)}
+        with (
+            opened_whole(directory) as whole,
+            AnyReader([whole], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag,
+        ):
+            topics = {
+                c.topic: topic
+                for topic in READ
+                for c in bag.connections
+                if c.topic.endswith('/' + topic)
+            }
             wanted = [c for c in bag.connections if c.topic in topics]
             for connection, when, data in bag.messages(wanted) if wanted else ():
-                heard[topics[connection.topic]].append((when, bag.deserialize(data, connection.msgtype)))
+                heard[topics[connection.topic]].append(
+                    (when, bag.deserialize(data, connection.msgtype))
+                )
     except (AnyReaderError, OSError, ValueError, KeyError, AssertionError) as error:
         raise BagError(f'{path}: cannot be read as a bag: {error}') from error
     return heard
@@ -62,8 +85,11 @@ def _messages(path: Path) -> Dict[str, Messages]:
 def _began(heard) -> Tuple[int, float]:
     """(log time [ns], stamp [s]) of the last run's first setpoint."""
     modes = [(when, message.data) for when, message in heard['mode_switcher/mode']]
-    begins = [when for k, (when, mode) in enumerate(modes)
-              if mode in RUNNING and (k == 0 or modes[k - 1][1] not in RUNNING)]
+    begins = [
+        when
+        for k, (when, mode) in enumerate(modes)
+        if mode in RUNNING and (k == 0 or modes[k - 1][1] not in RUNNING)
+    ]
     setpoints = heard['velocity_setpoint']
     first = 0
     if len(begins) > 1:  # setpoints of the run before may go on right up to this one
@@ -77,24 +103,59 @@ def _view(path, heard, plan, trajectory, began) -> RunView:
     joints = _joints(heard['joint_states'])
     joints = joints[(joints[:, 0] >= began[1]) & (joints[:, 0] <= over + SETTLE)]
     if len(joints) < 2:
-        raise BagError(f'{path}: no joint_states of the run; allowed: a bag recorded from planning to the end of a run')
+        raise BagError(
+            f'{path}: no joint_states of the run; allowed: a bag recorded from planning to the end of a run'
+        )
     stamps, times = joints[:, 0], joints[:, 0] - began[1] - ControlOptions().ramp
     poses, known = _poses(heard['object_pose'], stamps, plan.scenario)
-    reason = '' if result.get('outcome') == 'succeeded' else result.get('reason', 'the bag ends before the run does')
-    modes = _modes(trajectory, times, STOPPED if reason and result else '', over - began[1] - ControlOptions().ramp)
+    reason = (
+        ''
+        if result.get('outcome') == 'succeeded'
+        else result.get('reason', 'the bag ends before the run does')
+    )
+    modes = _modes(
+        trajectory,
+        times,
+        STOPPED if reason and result else '',
+        over - began[1] - ControlOptions().ramp,
+    )
     judged = None
     if known:
         nothing = np.zeros_like(poses)
-        judged = outcome(plan.scenario, RunRecord(times, joints[:, 1:3], joints[:, 3:5], joints[:, 5:7], poses, nothing,
-                                                  modes, reason, plan.scenario, NOMINAL))
-    return RunView(times, joints[:, 1:3], joints[:, 3:5], joints[:, 5:7], poses, modes, judged, reason,
-                   _facts(path, heard, began))
+        judged = outcome(
+            plan.scenario,
+            RunRecord(
+                times,
+                joints[:, 1:3],
+                joints[:, 3:5],
+                joints[:, 5:7],
+                poses,
+                nothing,
+                modes,
+                reason,
+                plan.scenario,
+                NOMINAL,
+            ),
+        )
+    return RunView(
+        times,
+        joints[:, 1:3],
+        joints[:, 3:5],
+        joints[:, 5:7],
+        poses,
+        modes,
+        judged,
+        reason,
+        _facts(path, heard, began),
+    )
 
 
 def _modes(trajectory, times, stopped, over) -> tuple:
     """The switch follows the trajectory's clock, so its modes follow from the time; a stop is told in the result."""
     ends = np.array([s.end for s in trajectory.segments])
-    names = np.array([*(s.mode for s in trajectory.segments), DONE])[np.searchsorted(ends, times, side='right')]
+    names = np.array([*(s.mode for s in trajectory.segments), DONE])[
+        np.searchsorted(ends, times, side='right')
+    ]
     if stopped:
         names = np.where(times >= over, stopped, names)
     return tuple(str(name) for name in names)
@@ -113,7 +174,9 @@ def _joints(messages: Messages) -> np.ndarray:
     rows = {}
     for _, m in messages:
         order = [list(m.name).index(name) for name in JOINT_NAMES]
-        rows[_stamp(m)] = np.concatenate([[_stamp(m)], *(values[order] for values in (m.position, m.velocity, m.effort))])
+        rows[_stamp(m)] = np.concatenate(
+            [[_stamp(m)], *(values[order] for values in (m.position, m.velocity, m.effort))]
+        )
     return np.array([rows[stamp] for stamp in sorted(rows)])
 
 
@@ -134,10 +197,17 @@ def _facts(path, heard, began) -> dict:
     for _, message in heard['contact_state_planner/status'][::-1]:
         values = {pair.key: pair.value for pair in message.values}
         if 'plan_ms' in values:
-            facts |= {f'{name.removesuffix("_ms")} time': f'{float(values[name]):.0f} ms'
-                      for name in ('plan_ms', 'generate_ms', 'verify_ms') if name in values}
+            facts |= {
+                f'{name.removesuffix("_ms")} time': f'{float(values[name]):.0f} ms'
+                for name in ('plan_ms', 'generate_ms', 'verify_ms')
+                if name in values
+            }
             break
-    said = [message.data for when, message in heard['mode_switcher/mode'] if when >= began[0] - 1_000_000_000]
+    said = [
+        message.data
+        for when, message in heard['mode_switcher/mode']
+        if when >= began[0] - 1_000_000_000
+    ]
     return {**facts, 'modes as published': ', '.join(said)}
 
 
@@ -148,4 +218,4 @@ def _stamp(message) -> float:
 
 def _planar(pose) -> tuple:
     q = pose.orientation
-    return pose.position.x, pose.position.y, float(np.arctan2(2 * q.w * q.z, q.w ** 2 - q.z ** 2))
+    return pose.position.x, pose.position.y, float(np.arctan2(2 * q.w * q.z, q.w**2 - q.z**2))

@@ -1,17 +1,18 @@
 """What the page of a run is given as JSON: everything at 100 Hz, rounded; lengths in mm, angles in degrees."""
+
 import numpy as np
 
-from ..model.hand import SIDES
-from ..model.plan import ContactPlan
-from ..model.trajectory import ManipulationTrajectory
-from .mode_spans import executed_spans, planned_spans
-from .outlines import touching
-from .palette import MODE_COLOURS, MODE_NAMES
-from .run_view import RunView, controlled, planned_poses_at, setpoints_at
-from .scene import numbers, scene
-from .time_figure import torque_window
+from wholearm_ros.model.hand import SIDES
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.report.figures.mode_spans import executed_spans, planned_spans
+from wholearm_ros.report.figures.outlines import touching
+from wholearm_ros.report.figures.palette import MODE_COLOURS, MODE_NAMES
+from wholearm_ros.report.figures.time_figure import torque_window
+from wholearm_ros.report.html.scene import numbers, scene
+from wholearm_ros.report.run_view import RunView, controlled, planned_poses_at, setpoints_at
 
-RATE = 100.0   # [1/s]
+RATE = 100.0  # [1/s]
 
 
 def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> dict:
@@ -22,18 +23,33 @@ def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
     planned_angles = setpoints_at(trajectory, times)[1]
     bottom, top, note = torque_window(both)
     return {
-        'times': numbers(times, 4), 'modes': [run.modes[k] for k in rows],
-        'pose': _pose(run.poses[rows]), 'planned_pose': _pose(planned_poses_at(trajectory, times)),
-        'angles': numbers(np.degrees(run.angles[rows]), 3), 'planned_angles': numbers(np.degrees(planned_angles), 3),
+        'times': numbers(times, 4),
+        'modes': [run.modes[k] for k in rows],
+        'pose': _pose(run.poses[rows]),
+        'planned_pose': _pose(planned_poses_at(trajectory, times)),
+        'angles': numbers(np.degrees(run.angles[rows]), 3),
+        'planned_angles': numbers(np.degrees(planned_angles), 3),
         'touches': _touches(plan.scenario, run, rows),
-        'torque_side': both.torque_side[rows].tolist(), 'torque': numbers(both.torque[rows], 4),
+        'torque_side': both.torque_side[rows].tolist(),
+        'torque': numbers(both.torque[rows], 4),
         'planned_torque': numbers(both.planned_torque[rows], 4),
-        'low': numbers(both.torque_range[rows, 0], 4), 'high': numbers(both.torque_range[rows, 1], 4),
-        'angle': numbers(np.degrees(both.angle[rows]), 3), 'planned_angle': numbers(np.degrees(both.planned_angle[rows]), 3),
-        'error': numbers(1e3 * both.angle_error[rows], 3), 'torque_window': [bottom, top], 'torque_note': note,
-        'planned_modes': [[round(a, 4), round(b, 4), mode] for a, b, mode in planned_spans(trajectory)],
-        'executed_modes': [[round(float(a), 4), round(float(b), 4), mode] for a, b, mode in executed_spans(run)],
-        'subgoal_times': subgoal_times(plan, trajectory), 'colours': MODE_COLOURS, 'names': MODE_NAMES, 'sides': SIDES,
+        'low': numbers(both.torque_range[rows, 0], 4),
+        'high': numbers(both.torque_range[rows, 1], 4),
+        'angle': numbers(np.degrees(both.angle[rows]), 3),
+        'planned_angle': numbers(np.degrees(both.planned_angle[rows]), 3),
+        'error': numbers(1e3 * both.angle_error[rows], 3),
+        'torque_window': [bottom, top],
+        'torque_note': note,
+        'planned_modes': [
+            [round(a, 4), round(b, 4), mode] for a, b, mode in planned_spans(trajectory)
+        ],
+        'executed_modes': [
+            [round(float(a), 4), round(float(b), 4), mode] for a, b, mode in executed_spans(run)
+        ],
+        'subgoal_times': subgoal_times(plan, trajectory),
+        'colours': MODE_COLOURS,
+        'names': MODE_NAMES,
+        'sides': SIDES,
         'scene': scene(plan.scenario, run.poses[rows], run.angles[rows]),
     }
 

@@ -1,17 +1,18 @@
 """A run as figures and reports need it, wherever it came from: a simulation without ROS, or a bag."""
+
 from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from ..control.mode_switch import IDLE
-from ..control.setpoints import ControlOptions
-from ..model.arrays import readonly
-from ..model.hand import CLOSING
-from ..model.scenario import Scenario
-from ..model.trajectory import QUASI_STATIC, ManipulationTrajectory
-from ..simulation.outcome import Outcome, outcome
-from ..simulation.run import RunRecord
+from wholearm_ros.control.mode_switch import IDLE
+from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory
+from wholearm_ros.simulation.closed_loop import RunRecord
+from wholearm_ros.simulation.outcome import Outcome, outcome
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +47,26 @@ class RunView:
         return np.column_stack([np.interp(times, self.times, self.angles[:, k]) for k in range(2)])
 
 
-def view_of(record: RunRecord, scenario: Scenario, controls: ControlOptions = ControlOptions(), facts: dict = None) -> RunView:
+def view_of(
+    record: RunRecord,
+    scenario: Scenario,
+    controls: ControlOptions = ControlOptions(),
+    facts: dict = None,
+) -> RunView:
     """The view of a run made without ROS; its first row is where the mode switch began."""
     started = next((k for k, mode in enumerate(record.modes) if mode != IDLE), 0)
     times = record.times - record.times[started] - controls.ramp
-    return RunView(times, record.angles, record.velocities, record.efforts, record.poses, record.modes,
-                   outcome(scenario, record), record.reason, dict(facts or {}))
+    return RunView(
+        times,
+        record.angles,
+        record.velocities,
+        record.efforts,
+        record.poses,
+        record.modes,
+        outcome(scenario, record),
+        record.reason,
+        dict(facts or {}),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,20 +98,39 @@ def controlled(trajectory: ManipulationTrajectory, run: RunView) -> Controlled:
     sign = np.array(CLOSING)[t_side]
     planned, planned_angles = setpoints_at(trajectory, run.times)
     held = np.clip(run.times, 0.0, trajectory.duration)
-    first = np.array([s.start for s in segments])[place]  # the sample where two segments meet belongs to neither's range
-    at = np.maximum((held / trajectory.period + 1e-6).astype(int), (first / trajectory.period + 1e-6).astype(int) + 1)
+    first = np.array([s.start for s in segments])[
+        place
+    ]  # the sample where two segments meet belongs to neither's range
+    at = np.maximum(
+        (held / trajectory.period + 1e-6).astype(int),
+        (first / trajectory.period + 1e-6).astype(int) + 1,
+    )
     at = np.minimum(at, len(trajectory.angles) - 1)
-    limits = np.where(sign[:, None] > 0, trajectory.torque_ranges[at], -trajectory.torque_ranges[at][:, ::-1])
-    limits[np.array([s.mode != QUASI_STATIC for s in segments])[place] | (limits[:, 0] > limits[:, 1])] = np.nan
-    return Controlled(t_side, sign * planned[rows, t_side], sign * run.efforts[rows, t_side], limits,
-                      planned_angles[rows, 1 - t_side], run.angles[rows, 1 - t_side])
+    limits = np.where(
+        sign[:, None] > 0, trajectory.torque_ranges[at], -trajectory.torque_ranges[at][:, ::-1]
+    )
+    limits[
+        np.array([s.mode != QUASI_STATIC for s in segments])[place] | (limits[:, 0] > limits[:, 1])
+    ] = np.nan
+    return Controlled(
+        t_side,
+        sign * planned[rows, t_side],
+        sign * run.efforts[rows, t_side],
+        limits,
+        planned_angles[rows, 1 - t_side],
+        run.angles[rows, 1 - t_side],
+    )
 
 
 def setpoints_at(trajectory: ManipulationTrajectory, times: np.ndarray) -> tuple:
     """(efforts (k, 2) [N m], angles (k, 2) [rad]) as ManipulationTrajectory.sample gives them, for many instants."""
     held = np.clip(times, 0.0, trajectory.duration)
-    efforts = np.column_stack([np.interp(held, trajectory.times, trajectory.efforts[:, k]) for k in range(2)])
-    return efforts, CubicHermiteSpline(trajectory.times, trajectory.angles, trajectory.velocities)(held)
+    efforts = np.column_stack(
+        [np.interp(held, trajectory.times, trajectory.efforts[:, k]) for k in range(2)]
+    )
+    return efforts, CubicHermiteSpline(trajectory.times, trajectory.angles, trajectory.velocities)(
+        held
+    )
 
 
 def errors(trajectory: ManipulationTrajectory, run: RunView) -> dict:
@@ -105,17 +139,32 @@ def errors(trajectory: ManipulationTrajectory, run: RunView) -> dict:
     if not shown.any():
         return {}
     both = controlled(trajectory, run)
-    told = {'velocity finger, largest error': (1e3 * float(np.abs(both.angle_error[shown]).max()), 'mrad'),
-            'velocity finger, RMS error': (1e3 * float(np.sqrt((both.angle_error[shown] ** 2).mean())), 'mrad'),
-            'torque finger, RMS difference to the plan':
-                (float(np.sqrt(((both.torque - both.planned_torque)[shown] ** 2).mean())), 'N m')}
+    told = {
+        'velocity finger, largest error': (
+            1e3 * float(np.abs(both.angle_error[shown]).max()),
+            'mrad',
+        ),
+        'velocity finger, RMS error': (
+            1e3 * float(np.sqrt((both.angle_error[shown] ** 2).mean())),
+            'mrad',
+        ),
+        'torque finger, RMS difference to the plan': (
+            float(np.sqrt(((both.torque - both.planned_torque)[shown] ** 2).mean())),
+            'N m',
+        ),
+    }
     if np.isfinite(run.poses).all():
         away = run.poses[shown] - planned_poses_at(trajectory, run.times[shown])
-        told['object, largest distance to the plan'] = (1e3 * float(np.hypot(away[:, 0], away[:, 1]).max()), 'mm')
+        told['object, largest distance to the plan'] = (
+            1e3 * float(np.hypot(away[:, 0], away[:, 1]).max()),
+            'mm',
+        )
         told['object, largest rotation from the plan'] = (float(np.abs(away[:, 2]).max()), 'rad')
     return told
 
 
 def planned_poses_at(trajectory: ManipulationTrajectory, times: np.ndarray) -> np.ndarray:
     """(k, 3) the object as planned; in caging and dynamic motion a guess, the object is not held to it there."""
-    return np.column_stack([np.interp(times, trajectory.times, trajectory.poses[:, k]) for k in range(3)])
+    return np.column_stack(
+        [np.interp(times, trajectory.times, trajectory.poses[:, k]) for k in range(3)]
+    )

@@ -1,15 +1,16 @@
 """What a report can be made from: a bag, the directory of a run, a run document, results of a suite."""
+
 import json
 from pathlib import Path
 from typing import Tuple, Union
 
-from ..errors import DocumentError, WholeArmError
-from ..model.plan import ContactPlan
-from ..model.trajectory import ManipulationTrajectory
-from .bag_run import read_bag
-from .run_document import FORMAT as RUN_FORMAT
-from .run_document import read_run_document
-from .run_view import RunView
+from wholearm_ros.errors import DocumentError, WholeArmError
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.report.bag_run import read_bag
+from wholearm_ros.report.run_document import FORMAT as RUN_FORMAT
+from wholearm_ros.report.run_document import read_run_document
+from wholearm_ros.report.run_view import RunView
 
 SUITE_FORMAT = 'wholearm-suite-result/1'
 MAX_BYTES = 200_000_000
@@ -20,8 +21,10 @@ def read_source(path: Path) -> Union[Told, dict]:
     """(plan, trajectory, run), or the document of a suite's result. Raises a WholeArmError that says what is wrong."""
     path = Path(path)
     if not path.exists():
-        raise WholeArmError(f'{path}: no such file or directory; allowed: a bag, the directory of a run, a document of '
-                            '`wholearm simulate --run` or of `wholearm suite --json`')
+        raise WholeArmError(
+            f'{path}: no such file or directory; allowed: a bag, the directory of a run, a document of '
+            '`wholearm simulate --run` or of `wholearm suite --json`'
+        )
     if path.is_dir() or path.suffix in ('.mcap', '.db3'):
         return read_bag(_bag_of(path))
     if path.stat().st_size > MAX_BYTES:
@@ -34,7 +37,9 @@ def _bag_of(path: Path) -> Path:
     if path.is_dir() and not (path / 'metadata.yaml').exists():
         bags = sorted(path.glob('*/metadata.yaml'))
         if len(bags) != 1:
-            raise WholeArmError(f'{path}: {len(bags)} bags in it; allowed: a bag, or a directory with exactly one bag')
+            raise WholeArmError(
+                f'{path}: {len(bags)} bags in it; allowed: a bag, or a directory with exactly one bag'
+            )
         return bags[0].parent
     return path
 
@@ -49,5 +54,7 @@ def _document(path: Path) -> Union[Told, dict]:
         return json.loads(text)
     if kind == RUN_FORMAT:
         return read_run_document(text)
-    raise DocumentError(f'{path}: format is {kind!r}; allowed: {RUN_FORMAT!r} (`wholearm simulate --run`), '
-                        f'{SUITE_FORMAT!r} (`wholearm suite --json`), or a bag')
+    raise DocumentError(
+        f'{path}: format is {kind!r}; allowed: {RUN_FORMAT!r} (`wholearm simulate --run`), '
+        f'{SUITE_FORMAT!r} (`wholearm suite --json`), or a bag'
+    )

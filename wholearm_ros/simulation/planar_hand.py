@@ -1,18 +1,19 @@
 """The hand's stand-in by our own forward dynamics (Phase 2's LCP time stepping): planar, needs nothing but the kernels."""
+
 from typing import List, Optional, Tuple
 
 import numpy as np
 
-from ..kernels import geometry, stepping
-from ..mechanics.world import build_world
-from ..model.hand import SIDES
-from ..model.perturbation import NOMINAL, Perturbation
-from ..model.scenario import Scenario
-from .backend import ContactPoint
-from .drives import Drives, Encoders
+from wholearm_ros.kernels import geometry, time_stepping
+from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.hand import SIDES
+from wholearm_ros.model.perturbation import NOMINAL, Perturbation
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.simulation.actuation import Drives, Encoders
+from wholearm_ros.simulation.hand import ContactPoint
 
 PHYSICS_RATE = 2000.0  # [Hz] at least
-TOUCHING = 1e-5        # [m] a pair with a smaller gap is reported as a contact
+TOUCHING = 1e-5  # [m] a pair with a smaller gap is reported as a contact
 
 
 class PlanarHand:
@@ -21,7 +22,9 @@ class PlanarHand:
     The forces of `contacts()` are not kept by the time stepping: they are NaN. Fingers have no end stops.
     """
 
-    def __init__(self, scenario: Scenario, rate: float = 1000.0, perturbation: Optional[Perturbation] = None):
+    def __init__(
+        self, scenario: Scenario, rate: float = 1000.0, perturbation: Optional[Perturbation] = None
+    ):
         perturbation = perturbation or NOMINAL
         self.scenario = perturbation.applied(scenario)
         self.period = 1.0 / rate
@@ -45,14 +48,25 @@ class PlanarHand:
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
 
     def _new_work(self):
-        return stepping.new_work(self._world.obj, self._world.palm, self._world.corners)
+        return time_stepping.new_work(self._world.obj, self._world.palm, self._world.corners)
 
     def step(self, efforts: Optional[np.ndarray]) -> None:
         w = self._world
         for _ in range(self._substeps):
             torques = self._drives.torques(efforts, self._q[3:], self._v[3:])
-            _, residual = stepping.step(*w.geometry, w.corners, w.inertias, w.load, w.finger_moment, self._friction,
-                                        torques, self._dt, self._q, self._v, self._work)
+            _, residual = time_stepping.step(
+                *w.geometry,
+                w.corners,
+                w.inertias,
+                w.load,
+                w.finger_moment,
+                self._friction,
+                torques,
+                self._dt,
+                self._q,
+                self._v,
+                self._work,
+            )
             self.largest_residual = max(self.largest_residual, residual)
         self.time += self.period
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
@@ -77,8 +91,15 @@ class PlanarHand:
         for code, gap in zip(codes[gaps < TOUCHING], gaps[gaps < TOUCHING]):
             px, py, nx, ny, *_ = geometry.contact(*w.geometry, code, self._q)
             body = int(geometry.pair_body(code))
-            found.append(ContactPoint('palm' if body == 0 else SIDES[body - 1], np.array([px, py]), np.array([nx, ny]),
-                                      float(gap), float('nan')))
+            found.append(
+                ContactPoint(
+                    'palm' if body == 0 else SIDES[body - 1],
+                    np.array([px, py]),
+                    np.array([nx, ny]),
+                    float(gap),
+                    float('nan'),
+                )
+            )
         return found
 
     def disconnect(self) -> None:

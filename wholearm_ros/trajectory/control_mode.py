@@ -1,11 +1,12 @@
 """Control mode: which finger is velocity-controlled (III-B.4)."""
+
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels import geometry
-from ..mechanics.contacts import contact_rows
-from ..mechanics.world import World
+from wholearm_ros.kernels import geometry
+from wholearm_ros.mechanics.contacts import contact_rows
+from wholearm_ros.mechanics.world import World
 
 
 @dataclass(frozen=True)

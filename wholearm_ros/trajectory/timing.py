@@ -1,14 +1,15 @@
 """Fifth-order polynomials from rest to rest, and how long they must take (MAIN_TRAJECTORY step 5)."""
+
 import numpy as np
 
-PEAK_SPEED = 15.0 / 8.0            # of s(u) = 10 u³ − 15 u⁴ + 6 u⁵, per unit of distance and time
-PEAK_ACCELERATION = 10.0 / 3.0 ** 0.5
-SHORTEST = 0.08                    # [s] of one stroke
+PEAK_SPEED = 15.0 / 8.0  # of s(u) = 10 u³ − 15 u⁴ + 6 u⁵, per unit of distance and time
+PEAK_ACCELERATION = 10.0 / 3.0**0.5
+SHORTEST = 0.08  # [s] of one stroke
 
 
 def quintic(u: np.ndarray) -> tuple:
     """(position, speed) of the rest-to-rest polynomial at u in [0, 1]; zero speed and acceleration at both ends."""
-    return u ** 3 * (10.0 - 15.0 * u + 6.0 * u ** 2), 30.0 * u ** 2 * (1.0 - u) ** 2
+    return u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 30.0 * u**2 * (1.0 - u) ** 2
 
 
 def stroke_duration(distance: float, fastest: float, speed: float, acceleration: float) -> float:

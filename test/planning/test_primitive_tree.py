@@ -1,0 +1,95 @@
+"""Routes of dynamic moves: the same every time, from rest to rest, and honest about an end to the search."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from problems import ASYMMETRIC, SQUARE, TALL
+
+from wholearm_ros.errors import DocumentError
+from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.motion_primitive import MotionPrimitive
+from wholearm_ros.model.orientation import goal_rotation
+from wholearm_ros.model.plan import LIMIT_REACHED, ContactPlan
+from wholearm_ros.planning.routes import PrimitiveRoutes, SearchOptions
+from wholearm_ros.rollout.primitive_rollout import Rest, simulate_primitive
+from wholearm_ros.trajectory.main_trajectory import generate
+
+OPTIONS = SearchOptions(move_limit=800)
+
+
+@pytest.fixture(scope='module')
+def routes():
+    return {s.name: PrimitiveRoutes(s, OPTIONS).next_plan() for s in (ASYMMETRIC, TALL)}
+
+
+def test_moves_lead_somewhere(routes):
+    assert routes['asymmetric_hexagon'].found
+
+
+def test_the_same_request_gives_the_same_bytes(routes):
+    again = PrimitiveRoutes(ASYMMETRIC, OPTIONS).next_plan()
+    assert again.to_json() == routes['asymmetric_hexagon'].to_json()
+    assert ContactPlan.from_json(again.to_json()).to_json() == again.to_json()
+
+
+def test_the_legs_are_moves_from_rest_to_rest_that_physics_makes(routes):
+    """Each dynamic leg, simulated again from where it begins, ends where it says; the last leg ends at the goal."""
+    for found in routes.values():
+        if not found.found:
+            continue
+        world = build_world(found.scenario)
+        q = found.legs[0].configurations[0]
+        rest = Rest(q, world.finger_moment * np.cos(q[3:]))
+        for leg in found.legs:
+            if leg.mode == 'dynamic':
+                record = simulate_primitive(world, rest, MotionPrimitive.from_dict(leg.action))
+                assert record.at_rest and record.residual <= 1e-9
+                np.testing.assert_allclose(
+                    record.configurations[-1], leg.configurations[-1], atol=1e-9
+                )
+                rest = record.rest()
+        assert found.legs[-1].configurations[-1, 2] == pytest.approx(
+            goal_rotation(found.scenario), abs=2e-4
+        )
+
+
+def test_the_generator_makes_the_moves_again_as_they_were_found(routes):
+    """From where the hand really stood: a stiff velocity finger is not quite where it was told to be."""
+    for found in routes.values():
+        if not found.found:
+            continue
+        made = generate(found.scenario, found)
+        ends = [
+            made.poses[round(s.end / made.period)] for s in made.segments if s.mode == 'dynamic'
+        ]
+        moves = [leg.configurations[-1, :3] for leg in found.legs if leg.mode == 'dynamic']
+        np.testing.assert_allclose(ends, moves, atol=1e-9)
+
+
+def test_a_move_that_does_not_end_at_rest_fits_no_scenario(routes):
+    found = routes['asymmetric_hexagon']
+    hasty = replace(found.legs[0], action={**found.legs[0].action, 'settle': 0.0, 'speed': 20.0})
+    with pytest.raises(DocumentError, match='does not end at rest'):
+        generate(found.scenario, replace(found, legs=(hasty, *found.legs[1:])))
+
+
+def test_a_limit_of_moves_is_kept_and_reported():
+    """The sweeps that open a new state are finished: up to a hundred beyond the limit."""
+    found = PrimitiveRoutes(SQUARE, SearchOptions(move_limit=50)).next_plan()
+    assert (
+        found.outcome == LIMIT_REACHED
+        and not found.legs
+        and found.counts['moves_simulated'] <= 50 + 100
+    )
+
+
+def test_the_mirrored_task_is_searched_as_its_mirror_image(routes):
+    """Not to the last bit (impacts amplify rounding), but the first move is the mirrored one and the goal is reached."""
+    one, two = (
+        routes['asymmetric_hexagon'],
+        PrimitiveRoutes(ASYMMETRIC.mirrored(), OPTIONS).next_plan(),
+    )
+    assert two.found
+    mirrored = MotionPrimitive.from_dict(one.legs[0].action).mirrored()
+    assert MotionPrimitive.from_dict(two.legs[0].action) == mirrored

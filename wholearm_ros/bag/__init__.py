@@ -1,0 +1,1 @@
+"""Bags of rosbag2, read, written and repaired without ROS."""

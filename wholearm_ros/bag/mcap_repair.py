@@ -1,0 +1,56 @@
+"""MCAP files that were cut off in the middle: the records that are whole, with an end put behind them.
+
+A killed recorder leaves a complete file (ros/bag_writer.py); a full disk of somebody else's, or half a copy, does not.
+"""
+
+import shutil
+import struct
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+MAGIC = b'\x89MCAP0\r\n'
+HEAD = struct.Struct('<BQ')  # of a record: its kind, and the length of what follows
+FOOTER = HEAD.pack(0x02, 20) + bytes(20) + MAGIC  # without a summary: readers scan the file
+
+
+def cut_files(bag: Path) -> list:
+    """The MCAP files of a bag that have a beginning and no end."""
+    return [path for path in sorted(bag.glob('*.mcap')) if _is_cut(path)]
+
+
+@contextmanager
+def opened_whole(bag: Path):
+    """The path of the bag, or of a copy for as long as the context lasts, in which cut files end with their last whole record."""
+    cut = cut_files(bag)
+    if not cut:
+        yield bag
+        return
+    with tempfile.TemporaryDirectory(prefix='wholearm_bag_') as scratch:
+        copied = Path(scratch) / bag.name
+        shutil.copytree(bag, copied)
+        for path in cut:
+            with open(copied / path.name, 'r+b') as file:
+                file.truncate(_end_of_whole_records(file))
+                file.seek(0, 2)
+                file.write(FOOTER)
+        yield copied
+
+
+def _is_cut(path):
+    with open(path, 'rb') as file:
+        begins = file.read(len(MAGIC)) == MAGIC
+        file.seek(0, 2)
+        file.seek(-min(len(MAGIC), file.tell()), 2)
+        return begins and file.read() != MAGIC
+
+
+def _end_of_whole_records(file):
+    size = file.seek(0, 2)
+    end = file.seek(len(MAGIC))
+    while end + HEAD.size <= size:
+        _, length = HEAD.unpack(file.read(HEAD.size))
+        if end + HEAD.size + length > size:
+            break
+        end = file.seek(end + HEAD.size + length)
+    return end

@@ -1,0 +1,1 @@
+"""Starts, watches and stops the graph of nodes, as a client of it."""

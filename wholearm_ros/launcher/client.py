@@ -1,0 +1,182 @@
+"""A client of the graph: plans, sends the goal, follows it, and judges the object's final pose by the truth."""
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+import rclpy
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from wholearm_ros.errors import WholeArmError
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.messages import (
+    NANOSECONDS,
+    NO_GOAL,
+    goal_message,
+    to_goal_id,
+    to_nanoseconds,
+    to_planar,
+    values_of,
+)
+
+
+class GraphError(WholeArmError):
+    """The graph did not answer."""
+
+
+@dataclass
+class Heard:
+    """The newest of each kind of message."""
+
+    plan: ContactPlan = None
+    planner: dict = field(default_factory=dict)
+    trajectory: ManipulationTrajectory = None
+    mode: str = ''
+    feedback: dict = field(default_factory=dict)
+    result: dict = field(default_factory=dict)
+    result_message: str = ''
+    poses: dict = field(default_factory=dict)  # stamp [ns] → (3,)
+
+
+class Client:
+    """Spins only while it waits; `watch` is called meanwhile and may raise."""
+
+    def __init__(
+        self, watch=lambda: None, name: str = 'wholearm_client', namespace: str = channels.NAMESPACE
+    ):
+        self.heard, self.watch, self._request_stamp = Heard(), watch, ''
+        self.context = rclpy.Context()
+        rclpy.init(
+            context=self.context, signal_handler_options=rclpy.signals.SignalHandlerOptions.NO
+        )
+        self.node = Node(
+            name, namespace=namespace, context=self.context, start_parameter_services=False
+        )
+        self.executor = EventsExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self._goal = self.node.create_publisher(
+            channels.GOAL.type, channels.GOAL.name, channels.GOAL.qos
+        )
+        self._cancel = self.node.create_publisher(
+            channels.CANCEL.type, channels.CANCEL.name, channels.CANCEL.qos
+        )
+        for topic, hear in (
+            (channels.CONTACT_PLAN, self._on_plan),
+            (channels.PLANNER_STATUS, self._on_planner),
+            (channels.MANIPULATION_TRAJECTORY, self._on_trajectory),
+            (channels.MODE, self._on_mode),
+            (channels.FEEDBACK, self._on_feedback),
+            (channels.RESULT, self._on_result),
+        ):
+            self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
+        deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.node.create_subscription(
+            channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, _guarded(self._on_pose), deep
+        )
+
+    def close(self):
+        """With its participant, which would live on beside that of this process's next client."""
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+        self.context.destroy()
+
+    def wait(self, condition, seconds: float, what: str):
+        """Spins until `condition()`; raises GraphError after `seconds`."""
+        deadline = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > deadline:
+                raise GraphError(f'{what}: nothing for {seconds:.0f} s')
+            self.executor.spin_once(timeout_sec=0.05)
+            self.watch()
+
+    def wait_for_graph(self, seconds: float):
+        """Until every channel of the closed loop has both its ends."""
+        services = {
+            s.name: self.node.create_client(s.type, s.name)
+            for s in (channels.PLAN_SCENARIO, channels.STOP, channels.RESET)
+        }
+        publishers, subscribers = self.node.count_publishers, self.node.count_subscribers
+        ends = (
+            (publishers, channels.JOINT_COMMANDS, 2),
+            (subscribers, channels.JOINT_COMMANDS, 1),
+            (publishers, channels.JOINT_STATES, 1),
+            (subscribers, channels.JOINT_STATES, 3),
+            (subscribers, channels.VELOCITY_SETPOINT, 1),
+            (subscribers, channels.TORQUE_SETPOINT, 1),
+            (subscribers, channels.MANIPULATION_TRAJECTORY, 2),
+            (subscribers, channels.GOAL, 1),
+            (subscribers, channels.GOAL_STATUS, 1),
+            (subscribers, channels.CONTACT_PLAN, 2),
+        )
+        for name, client in services.items():
+            self.wait(client.service_is_ready, seconds, f'service {name}')
+        for count, topic, least in ends:
+            self.wait(lambda: count(topic.name) >= least, seconds, f'topic {topic.name}')
+
+    def call(self, service: channels.Service, seconds: float, request=None):
+        """The response of `service`."""
+        client = self.node.create_client(service.type, service.name)
+        self.wait(client.service_is_ready, seconds, f'service {service.name}')
+        future = client.call_async(request or service.type.Request())
+        self.wait(future.done, seconds, f'service {service.name}')
+        self.node.destroy_client(client)
+        return future.result()
+
+    def send_goal(self, plan_id: str):
+        self.heard.result, stamp = {}, self.node.get_clock().now().to_msg()
+        self._request_stamp = str(to_nanoseconds(stamp))
+        self._goal.publish(goal_message(to_goal_id(plan_id), stamp))
+
+    def cancel(self):
+        self._cancel.publish(goal_message(NO_GOAL, self.node.get_clock().now().to_msg()))
+
+    def final_poses(self, stamp: int, seconds: float):
+        """(m,) [s] and (m, 3): the object's poses up to the first one at or after `stamp` [ns]."""
+        self.wait(
+            lambda: self.heard.poses and max(self.heard.poses) >= stamp, seconds, 'object_pose'
+        )
+        stamps = sorted(self.heard.poses)
+        stamps = stamps[: 1 + next(k for k, s in enumerate(stamps) if s >= stamp)]
+        return np.array(stamps) / NANOSECONDS, np.array([self.heard.poses[s] for s in stamps])
+
+    def _on_plan(self, message):
+        self.heard.plan = ContactPlan.from_json(message.data)
+
+    def _on_planner(self, message):
+        self.heard.planner = {'message': message.message, **values_of(message)}
+
+    def _on_trajectory(self, message):
+        self.heard.trajectory = ManipulationTrajectory.from_json(message.data)
+
+    def _on_mode(self, message):
+        self.heard.mode = message.data
+
+    def _on_feedback(self, message):
+        self.heard.feedback = values_of(message)
+
+    def _on_result(self, message):
+        values = values_of(message)
+        if (
+            values.get('request_stamp', self._request_stamp) == self._request_stamp
+        ):  # not another client's rejection
+            self.heard.result, self.heard.result_message = values, message.message
+
+    def _on_pose(self, message):
+        self.heard.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')
+
+
+def _guarded(hear):
+    """What others publish does not end a client; a damaged document is as good as none."""
+
+    def callback(message):
+        try:
+            hear(message)
+        except WholeArmError:
+            pass
+
+    return callback

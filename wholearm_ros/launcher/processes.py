@@ -1,0 +1,176 @@
+"""The node processes: start them, notice one that ends, stop them, leave nothing behind."""
+
+import ctypes
+import fcntl
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+from wholearm_ros.errors import WholeArmError
+
+PR_SET_PDEATHSIG = 1
+STOP_WITHIN = 3.0  # [s] between SIGINT and SIGKILL
+SHARED_MEMORY = Path('/dev/shm')
+
+
+class NodeDied(WholeArmError):
+    """A node process ended by itself."""
+
+
+class DomainTaken(WholeArmError):
+    """Another launcher runs its graph in this ROS domain."""
+
+
+@contextmanager
+def alone_in_domain():
+    """No second launcher on this machine may start nodes of the same names: two hands would answer every setpoint.
+
+    The name of an abstract socket is taken: it goes with the process, however that ends. Raises DomainTaken.
+    """
+    domain = os.environ.get('ROS_DOMAIN_ID') or '0'
+    with socket.socket(socket.AF_UNIX) as name:
+        try:
+            name.bind(f'\0wholearm_ros/domain/{domain}')
+        except OSError as error:
+            raise DomainTaken(
+                f'ROS_DOMAIN_ID: got {domain}, in which another `wholearm run` is under way; '
+                'allowed: a domain of its own, 0 to 101'
+            ) from error
+        yield
+
+
+class Processes:
+    """A context: what was started inside has ended after it, and its shared memory is gone."""
+
+    def __init__(self, log_directory: Path):
+        self._logs, self._running = log_directory, {}
+        self._shared_before = _shared_memory()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop()
+
+    def start(self, node: str, parameters: dict, namespace: str = ''):
+        """The program of `node` with `parameters`, its output in a file of its own."""
+        command = [*self.program(node), '--ros-args']
+        if namespace:
+            command += ['-r', f'__ns:={namespace}']
+        for name, value in parameters.items():
+            command += ['-p', f'{name}:={_text(value)}']
+        with open(self.log_of(node), 'wb') as log:
+            # A session of its own: Ctrl-C reaches the launcher only, which then stops the nodes in order.
+            self._running[node] = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+                preexec_fn=_die_with_parent,
+            )
+
+    def program(self, node: str) -> list:
+        """The command that runs `node`, without arguments."""
+        return [sys.executable, '-m', f'wholearm_ros.nodes.{node}']
+
+    def log_of(self, node: str) -> Path:
+        return self._logs / f'{node}.log'
+
+    def pid(self, node: str) -> int:
+        return self._running[node].pid
+
+    def check(self):
+        """Raises NodeDied when a process ended."""
+        for node, process in self._running.items():
+            code = process.poll()
+            if code is not None:
+                how = (
+                    f'was killed by {signal.Signals(-code).name}'
+                    if code < 0
+                    else f'ended with exit code {code}'
+                )
+                lines = self.log_of(node).read_text(errors='replace').strip().splitlines()[-5:]
+                raise NodeDied(
+                    '\n'.join([f'{node} {how}; its last words:', *(f'  {line}' for line in lines)])
+                )
+
+    def stop(self):
+        """SIGINT, and SIGKILL to those that stay; the recorder last, so that it sees the others off."""
+        order = sorted(self._running, key=lambda node: node == 'bag_recorder')
+        for group in (
+            [n for n in order if n != 'bag_recorder'],
+            [n for n in order if n == 'bag_recorder'],
+        ):
+            self._stop([self._running[n] for n in group])
+        self._running = {}
+        for path in _shared_memory() - self._shared_before:
+            _remove_if_unused(path)
+
+    @staticmethod
+    def _stop(processes):
+        for process in processes:
+            if process.poll() is None:
+                process.send_signal(signal.SIGCONT)  # one that was stopped would not hear the next
+                process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + STOP_WITHIN
+        for process in processes:
+            try:
+                process.wait(max(0.0, deadline - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+def _die_with_parent():
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
+
+
+def _text(value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return '[' + ', '.join(map(_text, value)) + ']'
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def _shared_memory() -> set:
+    return {
+        p
+        for pattern in ('fastrtps_*', 'sem.fastrtps_*', 'fastdds_*')
+        for p in SHARED_MEMORY.glob(pattern)
+    }
+
+
+def _remove_if_unused(path: Path):
+    """Fast DDS locks NAME_el as long as somebody uses NAME; a process that was killed leaves both."""
+    lock = path if path.name.endswith('_el') else path.with_name(path.name + '_el')
+    if path.name.startswith('sem.'):
+        lock = path.with_name(path.name[len('sem.') :].replace('_mutex', '') + '_el')
+    try:
+        with open(lock, 'rb') as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            path.unlink(missing_ok=True)
+    except FileNotFoundError:
+        if not _mapped(path):
+            path.unlink(missing_ok=True)
+    except BlockingIOError:
+        pass  # somebody else's
+
+
+def _mapped(path: Path) -> bool:
+    """Whether a live process other than this one has `path` mapped; this one only sent to it."""
+    for process in Path('/proc').glob('[0-9]*'):
+        if process.name == str(os.getpid()):
+            continue
+        try:
+            if str(path) in (process / 'maps').read_text():
+                return True
+        except OSError:
+            continue  # it ended meanwhile, or is not ours
+    return False

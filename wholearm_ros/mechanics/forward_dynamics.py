@@ -1,0 +1,98 @@
+"""Forward dynamics as a linear complementarity problem: which contacts a torque breaks, and how everything accelerates (III-B.2).
+
+The motion equations of the object and of the torque-controlled finger and the acceleration kinematics of the contacts,
+the velocity-controlled finger's motion being prescribed:
+    M q̈_d = F + N_dᵀ f,    a_n = N_d q̈_d + N_V θ̈_V + Ṅ q̇,    0 ≤ f ⟂ a_n ≥ 0,
+with q_d = (x, y, φ, θ_T) and N = [G_nᵀ, −J_n]. Motion over time is `kernels/time_stepping.py`, its velocity-level relative.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wholearm_ros.errors import SolverError
+from wholearm_ros.kernels import statics, time_stepping
+from wholearm_ros.mechanics.contacts import contact_rows
+from wholearm_ros.mechanics.world import World
+
+RESIDUAL_TOLERANCE = 1e-9  # of the complementarity, relative to the largest bias
+BREAKS = 1e-6  # [m/s²] a contact that separates faster than this breaks
+RATE_STEP = 1e-7  # [s] over which Ṅ is differenced
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardDynamics:
+    """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A = N response (n, n) [1/kg], N (n, 4), b (n,) [m/s²]; free (4,) accelerations without contact,
+    response (4, n) of them to the forces; pairs: their codes."""
+
+    N: np.ndarray
+    b: np.ndarray
+    free: np.ndarray
+    response: np.ndarray
+    pairs: tuple
+
+    @property
+    def A(self) -> np.ndarray:
+        return self.N @ self.response
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardDynamicsSolution:
+    """forces (n,) [N]; accelerations (4,) of x, y, φ, θ_T; separations (n,) [m/s²] of the contacts."""
+
+    problem: ForwardDynamics
+    forces: np.ndarray
+    accelerations: np.ndarray
+    separations: np.ndarray
+
+    def residual(self) -> float:
+        """max |min(f, a_n)|."""
+        return float(np.abs(np.minimum(self.forces, self.separations)).max())
+
+    def breaking(self) -> tuple:
+        """Codes of the pairs that separate."""
+        return tuple(c for c, a in zip(self.problem.pairs, self.separations) if a > BREAKS)
+
+
+def build_forward_dynamics(
+    world: World,
+    pairs: tuple,
+    q: np.ndarray,
+    q_dot: np.ndarray,
+    torque_finger: int,
+    torque: float,
+    velocity_finger_acceleration: float = 0.0,
+) -> ForwardDynamics:
+    """The problem at q, q_dot (5,) for a torque [N m] of the torque finger and θ̈_V [rad/s²] of the other one."""
+    rows, _ = contact_rows(world, pairs, q)
+    ahead, _ = contact_rows(world, pairs, q + RATE_STEP * q_dot)
+    driven = 4 - torque_finger
+    moving = np.array([0, 1, 2, 3 + torque_finger])
+    load = np.empty(5)
+    statics.load_at(world.load, world.finger_moment, q, load)
+    force = -load
+    force[3 + torque_finger] += torque
+    free = (force / world.inertias)[moving]
+    N = np.ascontiguousarray(rows[:, moving])
+    response = (N / world.inertias[moving]).T
+    bias = rows[:, driven] * velocity_finger_acceleration + (ahead - rows) @ q_dot / RATE_STEP
+    return ForwardDynamics(N, N @ free + bias, free, response, tuple(pairs))
+
+
+def solve_forward_dynamics(problem: ForwardDynamics) -> ForwardDynamicsSolution:
+    """Forces and accelerations. Raises SolverError when the complementarity is not met to RESIDUAL_TOLERANCE."""
+    n = len(problem.b)
+    forces = np.zeros(n)
+    time_stepping.solve_lcp(
+        problem.N, problem.response.T.copy(), problem.b, np.ones(n, dtype=np.bool_), forces
+    )
+    answer = ForwardDynamicsSolution(
+        problem, forces, problem.free + problem.response @ forces, problem.A @ forces + problem.b
+    )
+    allowed = RESIDUAL_TOLERANCE * max(1.0, np.abs(problem.b).max())
+    if answer.residual() > allowed:
+        raise SolverError(
+            f'forward dynamics of {n} contacts: complementarity residual {answer.residual():.1e}; '
+            f'allowed: {allowed:.1e}'
+        )
+    return answer

@@ -1,0 +1,63 @@
+"""What a scenario asks for: the orientation it starts from and the orientation it shall end in."""
+
+import numpy as np
+
+from wholearm_ros.model.hand import Palm
+from wholearm_ros.model.scenario import CCW, GoalAtPose, Scenario, StartAtPose
+
+SAME_ANGLE = 1e-9  # [rad] rotations below this count as none
+
+
+def palm_segment_under(palm: Palm, x: float) -> int:
+    """Index of the segment of the palm's polyline at `x` [m]; beyond its ends the first or the last one."""
+    v = palm.vertices
+    for k in range(len(v) - 1):
+        if min(v[k, 0], v[k + 1, 0]) <= x <= max(v[k, 0], v[k + 1, 0]):
+            return k
+    return 0 if abs(x - v[0, 0]) <= abs(x - v[-1, 0]) else len(v) - 2
+
+
+def palm_angle_under(palm: Palm, x: float) -> float:
+    """Direction of that segment [rad], 0 for a palm along +x."""
+    k = palm_segment_under(palm, x)
+    dx, dy = palm.vertices[k + 1] - palm.vertices[k]
+    return float(np.arctan2(dy, dx))
+
+
+def start_rotation(scenario: Scenario) -> float:
+    """Rotation of the object's file axes at the start [rad]."""
+    start = scenario.start
+    if isinstance(start, StartAtPose):
+        return float(start.pose[2])
+    return scenario.object.polygon.resting_angle(start.edge) + palm_angle_under(
+        scenario.palm, start.x
+    )
+
+
+def goal_rotation(scenario: Scenario) -> float:
+    """Rotation of the object's file axes at the goal [rad], not wrapped.
+
+    For a goal on an edge: the start's rotation plus the smallest turn (0, 2π] in the goal's direction that lays
+    that edge on the palm, under the goal's x if it has one, else under the start's.
+    """
+    goal, begin = scenario.goal, start_rotation(scenario)
+    if isinstance(goal, GoalAtPose):
+        return float(goal.pose[2])
+    x = goal.x if goal.x is not None else start_x(scenario)
+    rest = scenario.object.polygon.resting_angle(goal.edge) + palm_angle_under(scenario.palm, x)
+    sign = 1.0 if goal.direction == CCW else -1.0
+    turn = float(np.mod(sign * (rest - begin) - SAME_ANGLE, 2 * np.pi)) + SAME_ANGLE
+    return begin + sign * turn
+
+
+def start_x(scenario: Scenario) -> float:
+    """Centroid's x at the start [m]."""
+    start = scenario.start
+    return float(start.pose[0] if isinstance(start, StartAtPose) else start.x)
+
+
+def turns_clockwise(scenario: Scenario) -> bool:
+    """Whether the object shall turn clockwise: such a task is planned as its mirror image."""
+    if isinstance(scenario.goal, GoalAtPose):
+        return goal_rotation(scenario) < start_rotation(scenario) - SAME_ANGLE
+    return scenario.goal.direction != CCW

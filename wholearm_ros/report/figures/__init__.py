@@ -1,0 +1,1 @@
+"""Figures of a plan and a run, as files."""

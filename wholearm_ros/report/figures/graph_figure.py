@@ -1,0 +1,175 @@
+"""Figure 6: the contact-state transition graph."""
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyBboxPatch
+
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.report.figures.canvas import new_figure
+from wholearm_ros.report.figures.graph_layout import GraphLayout, lay_out
+from wholearm_ros.report.figures.outlines import contact_marks, hand_outlines, object_outline
+from wholearm_ros.report.figures.palette import (
+    INK,
+    OBJECT,
+    OBJECT_EDGE,
+    PALM,
+    PLANNED,
+    SIDE_COLOURS,
+)
+
+CELL = 1.25  # [inch] width of a subgoal's drawing
+HEADER = 0.2  # [inch] above it, for its number and direction
+GAP_X, GAP_Y = 0.36, 0.16
+NORMAL = 0.024  # [m] length at which a contact normal is drawn
+MARGIN = np.array([0.045, 0.02])  # [m] seen around the object
+ROTATION = {1: '↺', -1: '↻', 0: ''}
+
+
+def draw_graph(plan: ContactPlan, layout: GraphLayout = None) -> Figure:
+    """Subgoals as small drawings, reachable ones joined, the route from X_init to X_goal thick and red."""
+    layout = layout or lay_out(plan)
+    aspect, box = _cell(plan, layout)
+    width = layout.columns * (CELL + GAP_X) + 0.3
+    tall = CELL * aspect + HEADER
+    height = layout.rows * (tall + GAP_Y) + 0.7
+    figure = new_figure(max(width, 6.0), height)
+    axes = figure.add_axes([0, 0, 1, 1], xlim=(0, max(width, 6.0)), ylim=(height, 0))
+    axes.axis('off')
+    places = {
+        n: (0.25 + c * (CELL + GAP_X), 0.6 + r * (tall + GAP_Y))
+        for n, (c, r) in layout.cells.items()
+    }
+    _edges(axes, layout, places, tall)
+    for subgoal in plan.subgoals:
+        if subgoal.number in places:
+            _subgoal(axes, plan, subgoal, layout, places[subgoal.number], aspect, box)
+    axes.text(0.25, 0.3, _caption(plan, layout), fontsize=9, va='center', color=INK)
+    return figure
+
+
+def _cell(plan, layout):
+    """(height / width of a cell, what is seen in it: (left, right, bottom, top) [m]): the object's reach and a margin."""
+    poses = [s.configuration[:3] for s in plan.subgoals if s.number in layout.cells]
+    points = np.vstack([object_outline(plan.scenario, pose) for pose in poses])
+    (left, bottom), (right, top) = points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
+    return (top - bottom) / (right - left), (left, right, bottom, top)
+
+
+def _edges(axes, layout, places, tall):
+    """Right-angled lines; those that start from different subgoals of a column turn at different places."""
+    lines, thick, lanes = [], [], _lanes(layout)
+    for a, b, on_route in layout.edges:
+        (x0, y0), (x1, y1) = places[a], places[b]
+        turn, ya, yb = x0 + CELL + GAP_X * lanes[a], y0 + tall / 2, y1 + tall / 2
+        (thick if on_route else lines).append([(x0 + CELL, ya), (turn, ya), (turn, yb), (x1, yb)])
+    axes.add_collection(LineCollection(lines, colors='#9a9a9a', linewidths=1.0, zorder=1))
+    axes.add_collection(LineCollection(thick, colors=PLANNED, linewidths=3.2, zorder=2))
+
+
+def _lanes(layout) -> dict:
+    """Share of the gap behind a column at which the lines of each subgoal in it turn, the lowest subgoal's first."""
+    columns = {}
+    for a in dict.fromkeys(a for a, _, _ in layout.edges):
+        columns.setdefault(layout.cells[a][0], []).append(a)
+    return {
+        a: (k + 1) / (len(column) + 1)
+        for column in columns.values()
+        for k, a in enumerate(sorted(column, key=lambda n: -layout.cells[n][1]))
+    }
+
+
+def _subgoal(axes, plan, subgoal, layout, place, aspect, box):
+    x, y = place
+    on_route = subgoal.number in layout.route
+    frame = FancyBboxPatch(
+        (x, y),
+        CELL,
+        CELL * aspect + HEADER,
+        boxstyle='round,pad=0,rounding_size=0.05',
+        facecolor='white',
+        edgecolor=PLANNED if on_route else '#9a9a9a',
+        linewidth=2.4 if on_route else 0.8,
+        zorder=3,
+    )
+    frame.set_gid(f'subgoal-{subgoal.number}')
+    axes.add_patch(frame)
+    scale = CELL / (box[1] - box[0])
+
+    def put(points):
+        points = np.asarray(points)
+        return np.column_stack(
+            [x + (points[:, 0] - box[0]) * scale, y + HEADER + (box[3] - points[:, 1]) * scale]
+        )
+
+    for artist in _drawing(plan.scenario, subgoal, put):
+        artist.set_clip_path(frame)
+        axes.add_artist(artist)
+    axes.text(
+        x + 0.06,
+        y + 0.11,
+        f'#{subgoal.number}',
+        fontsize=7.5,
+        weight='bold',
+        zorder=8,
+        color=PLANNED if on_route else INK,
+        va='center',
+    )
+    note = {'X_init': 'init', 'X_goal': 'goal', 'Y': 'Y'}.get(subgoal.kind, '')
+    axes.text(
+        x + CELL - 0.06,
+        y + 0.11,
+        f'{note} {ROTATION[subgoal.direction]}'.strip(),
+        fontsize=8,
+        zorder=8,
+        ha='right',
+        va='center',
+        color=INK,
+    )
+    if layout.hidden.get(subgoal.number):
+        axes.text(
+            x + CELL + 0.03,
+            y + HEADER + CELL * aspect - 0.03,
+            f'+{layout.hidden[subgoal.number]}',
+            fontsize=6.5,
+            zorder=8,
+            color='#666666',
+        )
+
+
+def _drawing(scenario, subgoal, put):
+    q = subgoal.configuration
+    points, normals = contact_marks(scenario, q, subgoal.contacts)
+    ends = np.stack([points, points + NORMAL * normals], axis=1).reshape(-1, 2)
+    return [
+        LineCollection([put(scenario.palm.vertices)], colors=PALM, linewidths=2.0, zorder=4),
+        PolyCollection(
+            [put(o) for o in hand_outlines(scenario, q[3:])],
+            facecolors=[c + '55' for c in SIDE_COLOURS],
+            edgecolors=SIDE_COLOURS,
+            linewidths=0.8,
+            zorder=5,
+        ),
+        PolyCollection(
+            [put(object_outline(scenario, q[:3]))],
+            facecolors=OBJECT,
+            edgecolors=OBJECT_EDGE,
+            linewidths=0.9,
+            zorder=6,
+        ),
+        LineCollection(
+            put(ends).reshape(-1, 2, 2), colors=INK, linewidths=2.2, capstyle='butt', zorder=7
+        ),
+    ]
+
+
+def _caption(plan, layout) -> str:
+    finger = 'direction of the velocity-controlled finger: ↺ counter-clockwise, ↻ clockwise'
+    left_out = len(plan.subgoals) - len(layout.cells) - layout.merged
+    parts = [
+        f'{len(plan.subgoals)} subgoals ({layout.merged} share a configuration with one drawn)'
+        + (f', {left_out} further ones not drawn (+n)' if left_out else ''),
+        'red: the route' if plan.found else f'no route ({plan.outcome})',
+        finger,
+    ]
+    return '   '.join(parts) if layout.columns > 5 else '\n'.join(parts)

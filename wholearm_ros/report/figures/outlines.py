@@ -1,0 +1,92 @@
+"""Outlines of the hand and the object at a configuration, and where they touch. Lengths [m], palm frame."""
+
+from typing import Sequence, Tuple
+
+import numpy as np
+
+from wholearm_ros.kernels import geometry
+from wholearm_ros.mechanics.contacts import closed_pairs, pair_from_name, pair_name
+from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.hand import SIDES, Finger
+from wholearm_ros.model.scenario import Scenario
+
+MARGIN = 0.012  # [m] left free around what is shown
+TOUCH = 6e-4  # [m] gap below which a contact is drawn; PyBullet's own gaps are about half of it
+PROBE = (
+    2e-3  # [m] along a normal: whoever pushes the object is outside of it, what is pushed is inside
+)
+
+
+def finger_outline(finger: Finger, theta: float) -> np.ndarray:
+    """(4, 2) corners of a finger whose joint is at `theta` [rad]."""
+    u = np.array([np.cos(theta), np.sin(theta)])
+    w = finger.half_width * np.array([-u[1], u[0]])
+    tip = finger.axis + finger.length * u
+    return np.array([finger.axis + w, finger.axis - w, tip - w, tip + w])
+
+
+def object_outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
+    """(n, 2) vertices of the object at `pose` (3,)."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return scenario.object.polygon.vertices_about_centroid @ np.array([[c, s], [-s, c]]) + pose[:2]
+
+
+def hand_outlines(scenario: Scenario, angles: Sequence[float]) -> list:
+    """Both fingers, (4, 2) each, left then right."""
+    return [finger_outline(scenario.hand[side], angles[side]) for side in range(len(SIDES))]
+
+
+def contact_marks(
+    scenario: Scenario, configuration: np.ndarray, contacts: Sequence[str]
+) -> Tuple[np.ndarray, np.ndarray]:
+    """(points (k, 2) [m], unit normals towards the object (k, 2)) of named pairs at a configuration (5,)."""
+    world = build_world(scenario)
+    rows = [
+        geometry.contact(*world.geometry, pair_from_name(name), configuration)[:4]
+        for name in contacts
+    ]
+    table = np.array(rows, dtype=float).reshape(-1, 4)
+    return table[:, :2], table[:, 2:]
+
+
+def touching(scenario: Scenario, configuration: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """The same of whatever is closed to within TOUCH at a configuration; nothing when the object's pose is not known."""
+    if not np.isfinite(configuration).all():
+        return np.empty((0, 2)), np.empty((0, 2))
+    closed = closed_pairs(build_world(scenario), configuration, TOUCH)
+    points, normals = contact_marks(scenario, configuration, [pair_name(c) for c in closed])
+    # A vertex at a finger's corner is near two edges of the finger, of which it may lie beside one.
+    pushing = [
+        _inside(object_outline(scenario, configuration[:3]), p + PROBE * n)
+        for p, n in zip(points, normals)
+    ]
+    return points[pushing], normals[pushing]
+
+
+def _inside(outline: np.ndarray, point: np.ndarray) -> bool:
+    """Whether a point lies in a counter-clockwise outline (n, 2), TOUCH beyond its edges included."""
+    edges, away = np.roll(outline, -1, axis=0) - outline, point - outline
+    heights = (edges[:, 1] * away[:, 0] - edges[:, 0] * away[:, 1]) / np.linalg.norm(edges, axis=1)
+    return bool(heights.max() <= TOUCH)
+
+
+def view_box(
+    scenario: Scenario, poses: np.ndarray, angles: np.ndarray
+) -> Tuple[float, float, float, float]:
+    """(left, right, bottom, top) [m] that holds the object at `poses` (m, 3) and the fingers at `angles` (m, 2).
+
+    Of a fallen object only what is near the hand is kept.
+    """
+    step = max(1, len(poses) // 40)
+    points = [object_outline(scenario, pose) for pose in poses[::step] if np.isfinite(pose).all()]
+    points += [
+        outline
+        for pair in angles[:: max(1, len(angles) // 40)]
+        for outline in hand_outlines(scenario, pair)
+    ]
+    points = np.vstack(points)
+    reach = max(f.length for f in (scenario.hand.left, scenario.hand.right))
+    axes = np.array([scenario.hand.left.axis, scenario.hand.right.axis])
+    low = np.maximum(points.min(axis=0), axes.min(axis=0) - reach) - MARGIN
+    high = np.minimum(points.max(axis=0), axes.max(axis=0) + 1.5 * reach) + MARGIN
+    return float(low[0]), float(high[0]), float(low[1]), float(high[1])

@@ -1,0 +1,52 @@
+"""One self-contained HTML file: style, data and scripts inside, nothing from the network."""
+
+import json
+from html import escape
+from pathlib import Path
+
+ASSETS = Path(__file__).parent / 'assets'
+
+
+def page(title: str, body: str, data: dict, script: str) -> str:
+    """script: name of the file in assets/ that brings the page to life; it finds `data` in REPORT."""
+    from plotly.offline import get_plotlyjs  # 5 MB, only when a report is made
+
+    values = json.dumps(data, separators=(',', ':'), allow_nan=False).replace('</', '<\\/')
+    return ''.join(
+        [
+            '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">\n',
+            '<meta name="color-scheme" content="light dark">\n<link rel="icon" href="data:,">\n',
+            f'<title>{escape(title)}</title>\n<style>\n{asset("page.css")}</style>\n</head>\n<body>\n{body}\n',
+            f'<script>{get_plotlyjs()}</script>\n<script>const REPORT = {values};</script>\n',
+            f'<script>\n{asset("theme.js")}{asset("scene.js")}{asset(script)}</script>\n</body>\n</html>\n',
+        ]
+    )
+
+
+def asset(name: str) -> str:
+    return (ASSETS / name).read_text()
+
+
+def table(head: list, rows: list, kind: str = '') -> str:
+    """Cells are text; what begins with a '<' kept as it is must come through `raw`."""
+    top = ''.join(f'<th>{cell(c)}</th>' for c in head)
+    lines = ''.join('<tr>' + ''.join(f'<td>{cell(c)}</td>' for c in row) + '</tr>' for row in rows)
+    return f'<div class="scroll"><table class="{kind}"><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table></div>'
+
+
+class raw(str):
+    """HTML that is already escaped."""
+
+
+def cell(value) -> str:
+    return str(value) if isinstance(value, raw) else escape(str(value))
+
+
+def facts(pairs: dict) -> str:
+    """A list of names and values."""
+    return (
+        '<dl>'
+        + ''.join(f'<dt>{cell(k)}</dt><dd>{cell(v)}</dd>' for k, v in pairs.items())
+        + '</dl>'
+    )

@@ -1,0 +1,17 @@
+"""Versions of what a result depends on."""
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+PACKAGES = ('wholearm_ros', 'numpy', 'scipy', 'numba', 'osqp', 'pybullet')
+
+
+def versions() -> dict:
+    """package → version, of those installed; and Python's own."""
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return {**found, 'Python': platform.python_version()}

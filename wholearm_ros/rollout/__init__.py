@@ -1,0 +1,1 @@
+"""Perturbed samples of a task and their simulated runs."""

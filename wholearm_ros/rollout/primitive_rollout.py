@@ -1,0 +1,122 @@
+"""Moves that only forward dynamics can predict: one finger turns from rest to rest while the other holds a torque.
+
+The contact state may change on the way as physics wants; no equilibrium of four contacts is needed. This is the dynamic
+manipulation of III-B.2 as a step of the search.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wholearm_ros.kernels import time_stepping
+from wholearm_ros.mechanics.world import World
+from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.motion_primitive import MotionPrimitive
+
+STEP = 0.001  # [s]
+PERIOD = 0.004  # [s] of the records
+STIFF = (
+    300.0,
+    6.0,
+)  # PD gains of the velocity finger while its torque is being found [N m/rad, N m s/rad]
+SHORTEST_RAMP = 0.04  # [s]
+REST_SPEED = 0.01  # [rad/s], [0.1 m/s] of anything at rest
+PEAK_SPEED = 15.0 / 8.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Everything at rest: q (5,), and the efforts (2,) [N m] that keep it so."""
+
+    q: np.ndarray
+    efforts: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class PrimitiveRecord:
+    """A simulated move every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the velocity finger's wanted
+    angle (m,); ramp: how many of the samples the torque's ramp takes; whether it ended at rest; the LCP's residual."""
+
+    move: MotionPrimitive
+    configurations: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray
+    wanted: np.ndarray
+    ramp: int
+    at_rest: bool
+    residual: float
+
+    def rest(self) -> Rest:
+        """Where it ended."""
+        return Rest(self.configurations[-1], self.efforts[-1])
+
+    def setpoints(self, start: Rest) -> tuple:
+        """(angles (m + 1, 2), velocities, efforts) to lead the fingers along it, the first of them at `start`."""
+        side = self.move.velocity_finger
+        angles = np.vstack([start.q[None, 3:], self.configurations[:, 3:]])
+        angles[1:, side] = self.wanted
+        velocities = np.zeros_like(angles)
+        velocities[1:-1] = (angles[2:] - angles[:-2]) / (2.0 * PERIOD)
+        return angles, velocities, np.vstack([start.efforts[None], self.efforts])
+
+
+def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> PrimitiveRecord:
+    """Forward dynamics of a move from rest, without friction."""
+    side = move.velocity_finger
+    other = 1 - side
+    torque = float(
+        world.finger_moment[other] * np.cos(start.q[3 + other]) + CLOSING[other] * move.torque
+    )
+    ramp = _steps(max(SHORTEST_RAMP, abs(torque - start.efforts[other]) / move.slew))
+    turn = _steps(max(0.06, PEAK_SPEED * abs(move.turn) / move.speed)) if move.turn else 0
+    total = ramp + turn + _steps(move.settle)
+    every = int(round(PERIOD / STEP))
+    size = total // every + 1
+    q, v = start.q.copy(), np.zeros(5)
+    qs, vs, efforts, wanted = (
+        np.empty((size, 5)),
+        np.empty((size, 5)),
+        np.empty((size, 2)),
+        np.empty(size),
+    )
+    count, residual = time_stepping.run_move(
+        *world.geometry,
+        world.corners,
+        world.inertias,
+        world.load,
+        world.finger_moment,
+        world.torque_limits,
+        side,
+        float(move.turn),
+        torque,
+        np.asarray(start.efforts, float),
+        ramp,
+        turn,
+        _steps(move.settle),
+        *STIFF,
+        STEP,
+        every,
+        q,
+        v,
+        qs,
+        vs,
+        efforts,
+        wanted,
+    )
+    whole = count == total // every
+    at_rest = whole and bool(np.abs(v / world.scale).max() < REST_SPEED)
+    return PrimitiveRecord(
+        move,
+        qs[:count],
+        vs[:count],
+        efforts[:count],
+        wanted[:count],
+        ramp // every,
+        at_rest,
+        residual,
+    )
+
+
+def _steps(seconds):
+    every = int(round(PERIOD / STEP))
+    return every * int(np.ceil(seconds / PERIOD - 1e-9))

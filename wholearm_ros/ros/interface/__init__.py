@@ -1,0 +1,1 @@
+"""Names, messages, parameters: what the graph agrees on."""

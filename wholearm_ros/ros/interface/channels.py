@@ -1,0 +1,88 @@
+"""Every topic and service of the graph: name, type, quality of service. Relative to the namespace /wholearm."""
+
+from dataclasses import dataclass
+
+from action_msgs.msg import GoalInfo, GoalStatusArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from nav_msgs.srv import GetPlan
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import MarkerArray
+
+NAMESPACE = 'wholearm'
+PALM_FRAME, OBJECT_FRAME = 'palm', 'object'
+FINGER_FRAMES = ('left_finger', 'right_finger')
+
+
+def _qos(depth: int, reliable: bool = True, latched: bool = False) -> QoSProfile:
+    return QoSProfile(
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+RELIABLE, LATCHED, BEST_EFFORT = _qos(10), _qos(1, latched=True), _qos(5, reliable=False)
+NEWEST = _qos(1)  # setpoints and commands: only the newest counts
+NO_RESENDING = _qos(
+    10, reliable=False
+)  # how the nodes of the loop listen to joint states, setpoints and commands
+
+
+@dataclass(frozen=True, eq=False)
+class Topic:
+    """A topic; what it carries and from whom to whom is told in docs/ros.md."""
+
+    name: str
+    type: type
+    qos: QoSProfile
+
+
+@dataclass(frozen=True, eq=False)
+class Service:
+    """A service."""
+
+    name: str
+    type: type
+
+
+PLAN = Service('contact_state_planner/plan', GetPlan)
+PLAN_SCENARIO = Service('contact_state_planner/plan_scenario', Trigger)
+CONTACT_PLAN = Topic('contact_state_planner/contact_plan', String, LATCHED)
+PLANNER_STATUS = Topic('contact_state_planner/status', DiagnosticStatus, LATCHED)
+
+GOAL = Topic('trajectory_generator/goal', GoalInfo, RELIABLE)
+CANCEL = Topic('trajectory_generator/cancel', GoalInfo, RELIABLE)
+GOAL_STATUS = Topic('trajectory_generator/status', GoalStatusArray, LATCHED)
+FEEDBACK = Topic('trajectory_generator/feedback', DiagnosticStatus, RELIABLE)
+RESULT = Topic('trajectory_generator/result', DiagnosticStatus, LATCHED)
+JOINT_TRAJECTORY = Topic('trajectory_generator/joint_trajectory', JointTrajectory, LATCHED)
+MANIPULATION_TRAJECTORY = Topic('trajectory_generator/manipulation_trajectory', String, LATCHED)
+
+MODE = Topic('mode_switcher/mode', String, LATCHED)
+STOP = Service('mode_switcher/stop', Trigger)
+VELOCITY_SETPOINT = Topic('velocity_setpoint', JointState, NEWEST)
+TORQUE_SETPOINT = Topic('torque_setpoint', JointState, NEWEST)
+
+JOINT_COMMANDS = Topic('joint_commands', JointState, _qos(2))  # two publishers, one joint a message
+JOINT_STATES = Topic('joint_states', JointState, RELIABLE)
+OBJECT_POSE = Topic('object_pose', PoseStamped, BEST_EFFORT)
+ROBOT_DESCRIPTION = Topic('robot_description', String, LATCHED)
+MARKERS = Topic('markers', MarkerArray, LATCHED)
+TRANSFORMS = Topic(
+    'transforms', TransformStamped, BEST_EFFORT
+)  # /tf itself where tf2_msgs can be imported
+RESET = Service('hand_hardware/reset', Trigger)
+HARDWARE_STOP = Service('hand_hardware/stop', Trigger)
+
+CLOCK = Topic('/clock', Clock, BEST_EFFORT)
+DIAGNOSTICS = Topic('/diagnostics', DiagnosticArray, RELIABLE)
+
+TOPICS = tuple(v for v in list(globals().values()) if isinstance(v, Topic))
+SERVICES = tuple(v for v in list(globals().values()) if isinstance(v, Service))
+RECORDED = tuple(t for t in TOPICS if t is not TRANSFORMS)

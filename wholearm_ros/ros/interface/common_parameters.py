@@ -1,0 +1,63 @@
+"""Parameters that more than one node declares, and what is made of them."""
+
+from wholearm_ros.control.setpoints import ControlOptions, PdGains
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.package_share import scenario_path
+from wholearm_ros.ros.interface.parameters import Declared
+
+SCENARIO = Declared(
+    'scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'
+)
+PACING = Declared(
+    'pacing',
+    'realtime',
+    'realtime: wall clock; lockstep: simulated time waits for the commands',
+    choices=('realtime', 'lockstep'),
+)
+
+_DEFAULTS = ControlOptions()
+KP = Declared('kp', _DEFAULTS.gains.kp, 'position gain [N m/rad]', 0.0, 10000.0, read_only=False)
+KD = Declared('kd', _DEFAULTS.gains.kd, 'velocity gain [N m s/rad]', 0.0, 1000.0, read_only=False)
+SLEW_LIMIT = Declared(
+    'slew_limit',
+    _DEFAULTS.slew_limit,
+    'largest rate of change of the torque [N m/s]',
+    0.1,
+    1e5,
+    read_only=False,
+)
+RAMP = Declared(
+    'ramp', _DEFAULTS.ramp, 'time from the fingers at rest to the first setpoint [s]', 0.001, 10.0
+)
+HANDOVER = Declared(
+    'handover',
+    _DEFAULTS.handover,
+    'time in which a finger that becomes velocity-controlled is brought to its trajectory [s]',
+    0.001,
+    10.0,
+)
+MAX_TRACKING_ERROR = Declared(
+    'max_tracking_error',
+    _DEFAULTS.max_tracking_error,
+    'of the velocity-controlled finger; beyond it the run stops [rad]',
+    1e-3,
+    3.2,
+)
+
+
+def scenario_of(parameters) -> Scenario:
+    """Raises ScenarioError."""
+    return load_scenario(scenario_path(parameters.scenario))
+
+
+def gains_of(parameters) -> PdGains:
+    return PdGains(parameters.kp, parameters.kd)
+
+
+def switch_options_of(parameters) -> ControlOptions:
+    return ControlOptions(
+        ramp=parameters.ramp,
+        handover=parameters.handover,
+        max_tracking_error=parameters.max_tracking_error,
+    )

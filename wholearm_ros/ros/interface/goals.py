@@ -1,0 +1,64 @@
+"""The goal protocol of the trajectory generator: which goal runs, how far it is, how the last ones ended."""
+
+from dataclasses import dataclass, replace
+
+from action_msgs.msg import GoalInfo, GoalStatus
+
+ACCEPTED, EXECUTING, CANCELING = (
+    GoalStatus.STATUS_ACCEPTED,
+    GoalStatus.STATUS_EXECUTING,
+    GoalStatus.STATUS_CANCELING,
+)
+SUCCEEDED, CANCELED, ABORTED = (
+    GoalStatus.STATUS_SUCCEEDED,
+    GoalStatus.STATUS_CANCELED,
+    GoalStatus.STATUS_ABORTED,
+)
+NAMES = {
+    ACCEPTED: 'accepted',
+    EXECUTING: 'executing',
+    CANCELING: 'canceling',
+    SUCCEEDED: 'succeeded',
+    CANCELED: 'canceled',
+    ABORTED: 'aborted',
+}
+ACTIVE = (ACCEPTED, EXECUTING, CANCELING)
+REMEMBERED = 10  # ended goals in the status
+
+
+@dataclass(frozen=True)
+class Goal:
+    """info: id and time of acceptance; status: one of the above; reason: why it ended."""
+
+    info: GoalInfo
+    status: int
+    reason: str = ''
+
+    @property
+    def active(self) -> bool:
+        return self.status in ACTIVE
+
+    def to(self, status: int, reason: str = '') -> 'Goal':
+        return replace(self, status=status, reason=reason)
+
+
+class Goals:
+    """At most one active goal, and the last ones that ended."""
+
+    def __init__(self):
+        self.ended, self.active = [], None  # type: list, Optional[Goal]
+
+    def accept(self, info: GoalInfo):
+        self.active = Goal(info, ACCEPTED)
+
+    def move(self, status: int, reason: str = '') -> Goal:
+        """The active goal to `status`; an ended one is remembered."""
+        goal = self.active.to(status, reason)
+        self.active = goal if goal.active else None
+        if not goal.active:
+            self.ended = [*self.ended, goal][-REMEMBERED:]
+        return goal
+
+    def entries(self):
+        goals = [*self.ended, *([self.active] if self.active else [])]
+        return [(g.info, g.status) for g in goals]

@@ -1,0 +1,232 @@
+"""Messages to model nouns and back: the only file that knows both."""
+
+import math
+import uuid
+from typing import Optional, Tuple
+
+import numpy as np
+from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
+from builtin_interfaces.msg import Duration, Time
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Pose, PoseStamped
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
+from wholearm_ros.model.hand import JOINT_NAMES
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.ros.interface.channels import PALM_FRAME
+from wholearm_ros.ros.interface.joint_state_serialization import (
+    NANOSECONDS,
+    JointReading,
+    MessageError,
+    nanoseconds,
+    write_joints,
+)
+
+NO_GOAL = bytes(16)  # a cancel with it means: whatever is running
+_NAME_OF = [(name,) for name in JOINT_NAMES]
+PLANAR_TILT = 1e-3  # [rad] how far a pose's rotation may be from one about z
+
+
+# -- time
+
+
+def to_nanoseconds(stamp: Time) -> int:
+    return nanoseconds(stamp.sec, stamp.nanosec)
+
+
+def set_stamp(stamp: Time, nanoseconds: int):
+    stamp.sec, stamp.nanosec = divmod(nanoseconds, NANOSECONDS)
+
+
+# -- joints
+
+
+def joint_states_bytes(stamp: int, angles, velocities, efforts) -> bytes:
+    """joint_states at `stamp` [ns]; the three are (2,) [rad, rad/s, N m], left then right."""
+    return write_joints(
+        stamp, PALM_FRAME, JOINT_NAMES, angles.tolist(), velocities.tolist(), efforts.tolist()
+    )
+
+
+def to_joints(message: JointReading) -> Tuple[int, Joints]:
+    """Stamp [ns] and both joints, left then right, whatever their order in the message.
+
+    Numbers that are not finite come through: it is for the mode switch to stop on them.
+    """
+    if set(message.name) != set(JOINT_NAMES) or len(message.name) != 2:
+        raise MessageError(
+            f'joint_states.name: got {_shown(message.name)}; allowed: {list(JOINT_NAMES)}'
+        )
+    columns = []
+    for field in ('position', 'velocity', 'effort'):
+        values = getattr(message, field)
+        if len(values) != 2:
+            raise MessageError(f'joint_states.{field}: got {len(values)} numbers; allowed: 2')
+        columns.append(
+            np.array(values) if message.name[0] == JOINT_NAMES[0] else np.array(values)[::-1]
+        )
+    return message.stamp, Joints(message.stamp / NANOSECONDS, *columns)
+
+
+def velocity_setpoint_bytes(stamp: int, setpoint: VelocitySetpoint) -> bytes:
+    return write_joints(
+        stamp,
+        PALM_FRAME,
+        _NAME_OF[setpoint.joint],
+        [setpoint.angle],
+        [setpoint.velocity],
+        [setpoint.feedforward],
+    )
+
+
+def effort_bytes(stamp: int, joint: int, effort: float) -> bytes:
+    """A torque setpoint or a joint command."""
+    return write_joints(stamp, PALM_FRAME, _NAME_OF[joint], effort=[effort])
+
+
+def to_velocity_setpoint(message: JointReading) -> VelocitySetpoint:
+    joint = _one_joint('velocity_setpoint', message, ('position', 'velocity', 'effort'))
+    return VelocitySetpoint(joint, message.position[0], message.velocity[0], message.effort[0])
+
+
+def to_torque_setpoint(message: JointReading) -> TorqueSetpoint:
+    joint = _one_joint('torque_setpoint', message, ('effort',))
+    return TorqueSetpoint(joint, message.effort[0])
+
+
+def to_command(message: JointReading) -> Tuple[int, int, float]:
+    """Stamp [ns], joint, effort [N m]."""
+    joint = _one_joint('joint_commands', message, ('effort',))
+    return message.stamp, joint, message.effort[0]
+
+
+def _one_joint(channel: str, message: JointReading, fields) -> int:
+    if len(message.name) != 1 or message.name[0] not in JOINT_NAMES:
+        raise MessageError(
+            f'{channel}.name: got {_shown(message.name)}; allowed: one of {list(JOINT_NAMES)}'
+        )
+    for field in fields:
+        values = getattr(message, field)
+        if len(values) != 1 or not math.isfinite(values[0]):
+            raise MessageError(
+                f'{channel}.{field}: got {_shown(list(values))}; allowed: one finite number'
+            )
+    return JOINT_NAMES.index(message.name[0])
+
+
+# -- the object's pose: (x, y, rotation) in the palm's frame [m, m, rad]
+
+
+def to_planar(message: PoseStamped, field: str) -> np.ndarray:
+    """(3,) of a pose in the palm's frame; the rotation lies in (-π, π]."""
+    if message.header.frame_id not in ('', PALM_FRAME):
+        raise MessageError(
+            f'{field}.header.frame_id: got {_shown(message.header.frame_id)}; allowed: {PALM_FRAME!r}'
+        )
+    p, q = message.pose.position, message.pose.orientation
+    if not all(map(math.isfinite, (p.x, p.y, p.z, q.x, q.y, q.z, q.w))):
+        raise MessageError(
+            f'{field}.pose: got a number that is not finite; allowed: finite numbers'
+        )
+    if abs(math.hypot(q.x, q.y, q.z, q.w) - 1.0) > 1e-3 or math.hypot(q.x, q.y) > PLANAR_TILT:
+        raise MessageError(
+            f'{field}.pose.orientation: got ({q.x}, {q.y}, {q.z}, {q.w}); '
+            'allowed: a unit quaternion about z'
+        )
+    return np.array([p.x, p.y, math.atan2(2 * q.w * q.z, q.w**2 - q.z**2)])
+
+
+def fill_pose(pose: Pose, planar):
+    pose.position.x, pose.position.y = float(planar[0]), float(planar[1])
+    pose.orientation.z, pose.orientation.w = math.sin(planar[2] / 2), math.cos(planar[2] / 2)
+
+
+def pose_message(stamp: Time, planar) -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id, message.header.stamp = PALM_FRAME, stamp
+    fill_pose(message.pose, planar)
+    return message
+
+
+# -- goals
+
+
+def to_goal_id(plan_id: str) -> bytes:
+    """16 bytes of a plan's UUID."""
+    try:
+        return uuid.UUID(plan_id).bytes
+    except (ValueError, AttributeError, TypeError) as error:
+        raise MessageError(f'plan id: got {_shown(plan_id)}; allowed: a UUID') from error
+
+
+def goal_message(goal_id: bytes, stamp: Time) -> GoalInfo:
+    message = GoalInfo(stamp=stamp)
+    message.goal_id.uuid = np.frombuffer(goal_id, dtype=np.uint8)
+    return message
+
+
+def goal_id_of(message: GoalInfo) -> bytes:
+    return bytes(bytearray(message.goal_id.uuid))
+
+
+def goal_name(goal_id: bytes) -> str:
+    return str(uuid.UUID(bytes=goal_id))
+
+
+def goal_statuses(entries) -> GoalStatusArray:
+    """entries: (GoalInfo, status) pairs."""
+    return GoalStatusArray(
+        status_list=[GoalStatus(goal_info=info, status=status) for info, status in entries]
+    )
+
+
+# -- trajectories
+
+
+def to_joint_trajectory(trajectory: ManipulationTrajectory, stamp: Time) -> JointTrajectory:
+    message = JointTrajectory(joint_names=list(JOINT_NAMES))
+    message.header.frame_id, message.header.stamp = PALM_FRAME, stamp
+    rows = zip(
+        trajectory.times.tolist(),
+        trajectory.angles.tolist(),
+        trajectory.velocities.tolist(),
+        trajectory.efforts.tolist(),
+    )
+    for t, angles, velocities, efforts in rows:
+        sec, nanosec = divmod(round(t * NANOSECONDS), NANOSECONDS)
+        message.points.append(
+            JointTrajectoryPoint(
+                positions=angles,
+                velocities=velocities,
+                effort=efforts,
+                time_from_start=Duration(sec=sec, nanosec=nanosec),
+            )
+        )
+    return message
+
+
+# -- key/values
+
+
+def status_message(
+    name: str, level: bytes, message: str, values: Optional[dict] = None
+) -> DiagnosticStatus:
+    """level: DiagnosticStatus.OK, WARN, ERROR or STALE."""
+    pairs = [KeyValue(key=str(k), value=_text(v)) for k, v in (values or {}).items()]
+    return DiagnosticStatus(
+        level=level, name=name, message=message, hardware_id='wholearm', values=pairs
+    )
+
+
+def values_of(message: DiagnosticStatus) -> dict:
+    return {pair.key: pair.value for pair in message.values}
+
+
+def _text(value) -> str:
+    return f'{value:.6g}' if isinstance(value, float) else str(value)
+
+
+def _shown(value) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + '...'

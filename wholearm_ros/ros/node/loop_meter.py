@@ -1,0 +1,45 @@
+"""How long the loop takes: from the sending of a joint state to the commands that answer it."""
+
+import time
+from collections import OrderedDict, deque
+
+import numpy as np
+
+KEPT = 64  # states that may wait for their answer
+WINDOW = 2000  # the figures are those of the last so many
+
+
+class LoopMeter:
+    """Told of each stamp [ns] when it is sent, answered by a command, and acted on by the motors."""
+
+    def __init__(self):
+        self._sent: 'OrderedDict[int, int]' = OrderedDict()
+        self._acted_on = -1
+        self._answers, self._actions = deque(maxlen=WINDOW), deque(maxlen=WINDOW)  # [ns]
+
+    def sent(self, stamp: int):
+        self._sent[stamp] = time.monotonic_ns()
+        if len(self._sent) > KEPT:
+            self._sent.popitem(last=False)
+
+    def answered(self, stamp: int):
+        self._note(stamp, self._answers)
+
+    def acts(self, stamp: int):
+        """The period that begins now is under the commands for `stamp`; only the first such period counts."""
+        if stamp != self._acted_on:
+            self._acted_on = stamp
+            self._note(stamp, self._actions)
+
+    def _note(self, stamp: int, times: deque):
+        if stamp in self._sent:
+            times.append(time.monotonic_ns() - self._sent[stamp])
+
+    def figures(self) -> dict:
+        """p50 and p99 in ms, of those there are."""
+        found = {}
+        for name, times in (('command latency', self._answers), ('command applied', self._actions)):
+            if times:
+                p50, p99 = np.percentile(list(times), (50, 99)) / 1e6
+                found.update({f'{name} p50 ms': p50, f'{name} p99 ms': p99})
+        return found

@@ -1,0 +1,92 @@
+"""What RViz and Foxglove draw: the object, the palm, contacts with their normals, the plan as ghosts. All in the palm's
+frame, so that nothing needs to be configured."""
+
+from typing import List
+
+import numpy as np
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.ros.interface.channels import PALM_FRAME
+
+LINE, THIN = 0.002, 0.0006  # [m]
+NORMAL_LENGTH = 0.03  # [m]
+GHOSTS = 8  # poses of the plan that are drawn
+MOST_CONTACTS = 8
+OBJECT_COLOUR, PALM_COLOUR = (0.95, 0.6, 0.1, 1.0), (0.5, 0.5, 0.5, 1.0)
+CONTACT_COLOUR, GHOST_COLOUR = (0.9, 0.1, 0.1, 1.0), (0.3, 0.6, 0.9, 0.5)
+
+
+def state_markers(scenario: Scenario, pose: np.ndarray, contacts) -> MarkerArray:
+    """The object at `pose` (3,), the palm and the contacts now."""
+    markers = [
+        _line('object', 0, _outline(scenario, pose), LINE, OBJECT_COLOUR),
+        _line('palm', 0, scenario.palm.vertices, LINE, PALM_COLOUR),
+    ]
+    for k in range(MOST_CONTACTS):
+        if k < len(contacts):
+            tip = contacts[k].point + NORMAL_LENGTH * contacts[k].normal
+            markers.append(_arrow(k, contacts[k].point, tip))
+        else:
+            markers.append(_gone('contacts', k))
+    return MarkerArray(markers=markers)
+
+
+def plan_markers(scenario: Scenario, trajectory: ManipulationTrajectory) -> MarkerArray:
+    """The object at a few poses of the trajectory."""
+    rows = np.linspace(0, len(trajectory.poses) - 1, GHOSTS).round().astype(int)
+    return MarkerArray(
+        markers=[
+            _line('plan', k, _outline(scenario, trajectory.poses[row]), THIN, GHOST_COLOUR)
+            for k, row in enumerate(rows)
+        ]
+    )
+
+
+def _outline(scenario: Scenario, pose) -> np.ndarray:
+    """(n + 1, 2) [m]: the polygon at `pose`, closed."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    turned = (
+        scenario.object.polygon.vertices_about_centroid @ np.array([[c, s], [-s, c]]) + pose[:2]
+    )
+    return np.vstack([turned, turned[:1]])
+
+
+def _marker(namespace: str, number: int, kind: int, colour) -> Marker:
+    marker = Marker(
+        ns=namespace,
+        id=number,
+        type=kind,
+        action=Marker.ADD,
+        color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=colour[3]),
+    )
+    marker.header.frame_id = PALM_FRAME
+    marker.pose.orientation.w = 1.0
+    return marker
+
+
+def _line(namespace: str, number: int, points, width: float, colour) -> Marker:
+    marker = _marker(namespace, number, Marker.LINE_STRIP, colour)
+    marker.scale.x = width
+    marker.points = _points(points)
+    return marker
+
+
+def _arrow(number: int, tail, tip) -> Marker:
+    marker = _marker('contacts', number, Marker.ARROW, CONTACT_COLOUR)
+    marker.scale.x, marker.scale.y = LINE, 2 * LINE  # shaft and head diameter
+    marker.points = _points([tail, tip])
+    return marker
+
+
+def _gone(namespace: str, number: int) -> Marker:
+    marker = Marker(ns=namespace, id=number, action=Marker.DELETE)
+    marker.header.frame_id = PALM_FRAME
+    return marker
+
+
+def _points(rows) -> List[Point]:
+    return [Point(x=float(x), y=float(y)) for x, y in rows]

@@ -1,0 +1,83 @@
+"""The motors and encoders of a stand-in: limits, delay, gain error, noise. Shared by every back end."""
+
+from collections import deque
+from typing import Optional, Tuple
+
+import numpy as np
+
+from wholearm_ros.errors import HardwareError
+from wholearm_ros.model.perturbation import Perturbation
+from wholearm_ros.model.scenario import Scenario
+
+HOLD_KP, HOLD_KD = (
+    60.0,
+    1.5,
+)  # [N m/rad, N m s/rad] of the drives' own position hold before the first command
+
+
+class Drives:
+    """Two motor drives. Commands act `actuation_delay` later, rounded to whole physics steps.
+
+    Before the first command, and whenever the command is None, the drives hold the fingers where they then are,
+    their own weight compensated.
+    """
+
+    def __init__(self, scenario: Scenario, perturbation: Perturbation, dt: float):
+        fingers = (scenario.hand.left, scenario.hand.right)
+        self._limits = np.array([f.torque_limit for f in fingers])
+        self._weights = np.array(
+            [f.mass * scenario.gravity.in_plane * f.length / 2 for f in fingers]
+        )  # [N m] at θ = 0
+        self._factors = perturbation.torque_factors
+        self._delay = int(round(perturbation.actuation_delay / dt))
+        self.reset(np.zeros(2))
+
+    def reset(self, angles: np.ndarray) -> None:
+        """angles: (2,) [rad] to hold."""
+        self._held = np.array(angles, dtype=float)
+        self._waiting = deque([None] * self._delay)
+        self.asked = self._weights * np.cos(self._held)  # (2,) [N m]
+
+    def torques(
+        self, command: Optional[np.ndarray], angles: np.ndarray, velocities: np.ndarray
+    ) -> np.ndarray:
+        """(2,) [N m] at the joints now, for the command given now and the fingers' true state."""
+        if command is not None:
+            command = np.asarray(command, dtype=float)
+            if command.shape != (2,) or not np.isfinite(command).all():
+                raise HardwareError(f'efforts: got {command.tolist()}; allowed: two finite numbers')
+        self._waiting.append(command)
+        acting = self._waiting.popleft()
+        if acting is not None:
+            self._held = None
+        else:
+            self._held = angles.copy() if self._held is None else self._held
+            acting = (
+                self._weights * np.cos(angles)
+                + HOLD_KP * (self._held - angles)
+                - HOLD_KD * velocities
+            )
+        self.asked = np.clip(acting if command is None else command, -self._limits, self._limits)
+        return np.clip(acting, -self._limits, self._limits) * self._factors
+
+
+class Encoders:
+    """Readings of the joints: the truth and white noise, drawn once a step from the perturbation's own seed."""
+
+    def __init__(self, perturbation: Perturbation):
+        self._angle_noise, self._velocity_noise = (
+            perturbation.encoder_noise,
+            perturbation.velocity_noise,
+        )
+        self._seed = perturbation.noise_seed
+        self.reset()
+
+    def reset(self) -> None:
+        self._rng = np.random.default_rng(self._seed)
+
+    def read(self, angles: np.ndarray, velocities: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """(2,) [rad], (2,) [rad/s]"""
+        if self._angle_noise == 0.0 and self._velocity_noise == 0.0:
+            return angles.copy(), velocities.copy()
+        noise = self._rng.standard_normal((2, 2))
+        return angles + self._angle_noise * noise[0], velocities + self._velocity_noise * noise[1]

@@ -1,0 +1,137 @@
+"""The closed loop without ROS: the same mode switch and controllers as the nodes, on a stand-in."""
+
+from dataclasses import dataclass
+from typing import Optional
+
+import numpy as np
+
+from wholearm_ros.control.mode_switch import DONE, STOPPED, ModeSwitch
+from wholearm_ros.control.open_loop_torque import torque_effort
+from wholearm_ros.control.pd_velocity import velocity_effort
+from wholearm_ros.control.setpoints import ControlOptions, Joints
+from wholearm_ros.model.hand import Hand
+from wholearm_ros.model.perturbation import NOMINAL, Perturbation
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.rollout.initial_state import perturbed_start
+from wholearm_ros.simulation.hand import HandBackend, make_hand
+
+
+@dataclass(frozen=True, eq=False)
+class RunRecord:
+    """One run, a row a period: times (m,) [s]; angles, velocities, efforts (m, 2) measured and commanded, left then
+    right [rad, rad/s, N m]; poses, object_velocities (m, 3) the truth [m, m, rad] and their rates; modes (m,) names;
+    reason: why the switch stopped, '' when it did not; truth: the scenario with the perturbation applied."""
+
+    times: np.ndarray
+    angles: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray
+    poses: np.ndarray
+    object_velocities: np.ndarray
+    modes: tuple
+    reason: str
+    truth: Scenario
+    perturbation: Perturbation
+
+    def time_in_modes(self) -> dict:
+        """Seconds in each mode that occurred, in order of appearance."""
+        period = self.times[1] - self.times[0]
+        return {mode: period * self.modes.count(mode) for mode in dict.fromkeys(self.modes)}
+
+
+def run(
+    scenario: Scenario,
+    trajectory: ManipulationTrajectory,
+    backend: str = 'pybullet',
+    rate: float = 1000.0,
+    perturbation: Optional[Perturbation] = None,
+    seed: int = 0,
+    controls: ControlOptions = ControlOptions(),
+    settle: float = 0.5,
+    view: bool = False,
+) -> RunRecord:
+    """Executes `trajectory` and then holds its end for `settle` [s] (also after a stop, so that the fall is seen).
+
+    scenario: as told to the planner; perturbation: what is truly different; seed: of the encoder noise, added to the
+    perturbation's own. The object is set down where the perturbed scenario's start says, the fingers closed on it.
+    """
+    perturbation = perturbation or NOMINAL
+    hand = make_hand(
+        backend, scenario, rate=rate, perturbation=perturbation.reseeded(seed), view=view
+    )
+    try:
+        hand.reset(perturbed_start(scenario, hand.scenario))
+        steps = int(np.ceil((controls.ramp + trajectory.duration + settle) * rate))
+        return _loop(hand, ModeSwitch(trajectory, controls), controls, steps, perturbation)
+    finally:
+        hand.disconnect()
+
+
+def commanded_efforts(
+    hand: Hand,
+    controls: ControlOptions,
+    motion,
+    torque,
+    joints: Joints,
+    previous: np.ndarray,
+    dt: float,
+) -> np.ndarray:
+    """(2,) [N m]: both controllers' answer to both setpoints. previous: (2,) the efforts of the period before."""
+    efforts = np.empty(2)
+    v, t = motion.joint, torque.joint
+    efforts[v] = velocity_effort(
+        controls.gains, hand[v], motion, joints.angles[v], joints.velocities[v]
+    )
+    efforts[t] = torque_effort(hand[t], torque, previous[t], controls.slew_limit, dt)
+    return efforts
+
+
+def _loop(
+    hand: HandBackend,
+    switch: ModeSwitch,
+    controls: ControlOptions,
+    steps: int,
+    perturbation: Perturbation,
+) -> RunRecord:
+    fingers, state = hand.scenario.hand, switch.initial()
+    rows, modes = [], []
+    previous = hand.efforts().copy()
+    for _ in range(steps):
+        joints = Joints(hand.time, *hand.joints(), previous)
+        state, motion, torque = switch.step(state, hand.time, joints)
+        previous = commanded_efforts(
+            fingers, controls, motion, torque, joints, previous, hand.period
+        )
+        rows.append(
+            np.concatenate(
+                [
+                    [hand.time],
+                    joints.angles,
+                    joints.velocities,
+                    previous,
+                    hand.object_pose(),
+                    hand.object_velocity(),
+                ]
+            )
+        )
+        modes.append(state.mode)
+        hand.step(previous)
+    table = np.array(rows)
+    return RunRecord(
+        table[:, 0],
+        table[:, 1:3],
+        table[:, 3:5],
+        table[:, 5:7],
+        table[:, 7:10],
+        table[:, 10:13],
+        tuple(modes),
+        state.reason,
+        hand.scenario,
+        perturbation,
+    )
+
+
+def finished(record: RunRecord) -> bool:
+    """Whether the trajectory was led to its end without a stop."""
+    return record.modes[-1] == DONE and STOPPED not in record.modes

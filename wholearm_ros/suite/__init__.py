@@ -1,0 +1,1 @@
+"""Many scenarios planned and executed without ROS, and what came of them."""

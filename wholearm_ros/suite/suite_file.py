@@ -1,0 +1,43 @@
+"""Suite files: many scenarios in one JSON document, `wholearm-suite/1`."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Union
+
+from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.yaml_text import read_text
+
+FORMAT = 'wholearm-suite/1'
+MAX_BYTES = 64 * 1024 * 1024
+
+
+@dataclass(frozen=True)
+class SuiteEntry:
+    """name; scenario: the keys of a scenario file, not looked at yet, so that a bad one only spoils itself."""
+
+    name: str
+    scenario: dict
+
+
+def load_suite(path: Union[str, Path]) -> tuple:
+    """The tasks (SuiteEntry, ...) of the suite at `path`; raises ScenarioError or DocumentError."""
+    text = read_text(path, MAX_BYTES)
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise DocumentError(f'{path}: is not JSON: {error}') from error
+    got = document.get('format') if isinstance(document, dict) else type(document).__name__
+    if got != FORMAT:
+        raise DocumentError(f'{path}: format: got {got!r}; allowed: {FORMAT!r}')
+    tasks = document.get('tasks')
+    if not isinstance(tasks, list) or not tasks:
+        raise DocumentError(
+            f'{path}: tasks: got {type(tasks).__name__}; allowed: a list of at least one scenario'
+        )
+    return tuple(SuiteEntry(_name(task, k), task) for k, task in enumerate(tasks))
+
+
+def _name(task, k: int) -> str:
+    name = task.get('name') if isinstance(task, dict) else None
+    return name if isinstance(name, str) and name else f'task {k}'

@@ -1,0 +1,69 @@
+"""The choices of Phase 2: what a plan document's `execution` holds."""
+
+from dataclasses import asdict, dataclass, fields
+
+from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.trajectory import DWELL, DYNAMIC
+
+AUTO, FRONT, REAR = (
+    'auto',
+    'front',
+    'rear',
+)  # the front finger is the one towards which the object turns: left when ccw
+
+
+@dataclass(frozen=True)
+class ExecutionOptions:
+    """torque_margin, caging_torque, extra_torque: τ_margin, τ_caging (a ceiling) and τ_extra of the paper [N m];
+    range_fraction: of the torque range that the margin may use; transition: dwell or dynamic, where ranges do not overlap;
+    dynamic_lead, dynamic_hold: how long before the transition the extra torque begins, and how long it is kept after [s];
+    velocity_finger: front or rear for the whole plan, or auto (by III-B.4 for every leg);
+    caging_finger: front or rear, which is velocity-controlled while the object is laid down;
+    holding_torque: with which the torque finger keeps the object at the goal [N m];
+    speed, acceleration: limits of every joint [rad/s, rad/s²]; slew: of the torque [N m/s]; settle: pause after a dwell's
+    ramp [s]; period: of the samples [s].
+    """
+
+    torque_margin: float = 0.5
+    range_fraction: float = 0.5
+    caging_torque: float = 0.1
+    extra_torque: float = 2.0
+    transition: str = DWELL
+    dynamic_lead: float = 0.08
+    dynamic_hold: float = 0.04
+    velocity_finger: str = AUTO
+    caging_finger: str = FRONT
+    holding_torque: float = 0.25
+    speed: float = 1.5
+    acceleration: float = 12.0
+    slew: float = 20.0
+    settle: float = 0.06
+    period: float = 0.004
+
+    def to_dict(self) -> dict:
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: dict) -> 'ExecutionOptions':
+        """Raises DocumentError for an unknown name or a wrong kind of value."""
+        known = {f.name: type(f.default) for f in fields(cls)}
+        for name, value in values.items():
+            if name not in known:
+                raise DocumentError(f'execution: unknown key {name!r}; allowed: {", ".join(known)}')
+            if not isinstance(value, known[name]) and not (
+                known[name] is float and isinstance(value, int)
+            ):
+                raise DocumentError(
+                    f'execution: {name} is {value!r}; allowed: a {known[name].__name__}'
+                )
+        options = cls(**values)
+        for name, allowed in (
+            ('transition', (DWELL, DYNAMIC)),
+            ('velocity_finger', (AUTO, FRONT, REAR)),
+            ('caging_finger', (FRONT, REAR)),
+        ):
+            if getattr(options, name) not in allowed:
+                raise DocumentError(
+                    f'execution: {name} is {getattr(options, name)!r}; allowed: {", ".join(allowed)}'
+                )
+        return options
