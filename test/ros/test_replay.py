@@ -12,6 +12,9 @@ from wholearm_ros.ros.interface import channels
 
 pytestmark = pytest.mark.timeout(280)
 BAGS = Path(__file__).parents[2] / 'bags'
+# The bags were recorded on another processor, whose fused multiply-adds round otherwise: 3e-8 rad after
+# a whole run. That one machine repeats a run to the last bit is held by test_whole_run.py.
+OTHER_PROCESSOR = 1e-6  # [rad], [m]
 RATE = 250.0  # [Hz] of the reference bags
 REPLAYED = 1200  # stamps
 ROUTE = ('contact_state_planner/contact_plan', 'trajectory_generator/goal')
@@ -126,13 +129,15 @@ def test_the_recorded_plan_and_goal_give_the_recorded_run(graph, name):
     assert graph.client.heard.result['outcome'] == 'succeeded', graph.client.heard.result
     end = int(graph.client.heard.result['stamp'])
     times, again = graph.client.final_poses(end, 60.0)
-    np.testing.assert_allclose(again[-1, :2], poses[-1, :2], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(again[-1, :2], poses[-1, :2], rtol=0, atol=OTHER_PROCESSOR)
     np.testing.assert_allclose(np.cos(again[-1, 2] - poses[-1, 2]), 1.0, atol=1e-12)
     table = dict(zip((round(s * 1e9) for s in stamps), joints))
     same = [m for m in heard if stamp_of(m) in table]
     assert len(same) > 100
     for message in same:
-        np.testing.assert_allclose(message.position, table[stamp_of(message)][0], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(
+            message.position, table[stamp_of(message)][0], rtol=0, atol=OTHER_PROCESSOR
+        )
 
 
 def test_the_planner_gives_the_recorded_plan(graph):
