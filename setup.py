@@ -49,6 +49,7 @@ TEST = [
     'pytest-benchmark>=4,<6',
     'hypothesis~=6.100',
     'import-linter~=2.1',
+    'wheel>=0.40',  # the test of the wheel builds it without a network
     'selenium~=4.20',
 ]
 # Where a ROS 2 is sourced, its own packages are used and the wheels of ROS stay out.

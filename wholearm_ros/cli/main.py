@@ -4,10 +4,9 @@ import sys
 from pathlib import Path
 from typing import List, Optional
 
-import click
 import typer
 from rich.console import Console
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from wholearm_ros.errors import SolverError, WholeArmError
 from wholearm_ros.model.choices import BAD_INPUT, FAILED, OK, Backend, Search, Transition
@@ -288,7 +287,7 @@ def main():
 
 
 # ---------------------------------------------------------------------- what the commands share
-def _run_command() -> click.Command:
+def _run_command() -> TyperCommand:
     """`wholearm run`, or, where ROS 2 cannot be imported, a command that says so, whatever its options are."""
     settings = dict(HELP)
     try:
