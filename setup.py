@@ -64,7 +64,10 @@ setup(
     license='Apache-2.0',
     python_requires='>=3.10,<3.14',
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={f'{NAME}.report.html': ['assets/*']},
+    package_data={
+        f'{NAME}.report.html': ['assets/*'],
+        f'{NAME}.ros.interface': ['profiles/*.xml'],
+    },
     install_requires=[*CORE, f'{PYBULLET}; python_version < "3.12"', *ros],
     extras_require={
         'pybullet': [PYBULLET],

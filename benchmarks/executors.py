@@ -16,7 +16,7 @@ from ros_loop import LOOP, Bench, loop_figures, show_loop
 
 from wholearm_ros.launcher.client import GraphError
 from wholearm_ros.launcher.processes import Processes
-from wholearm_ros.ros.node.node import run_node
+from wholearm_ros.ros.node.run import run_node
 
 EXECUTORS = {
     'events': EventsExecutor,

@@ -3,8 +3,13 @@
 The counterpart of `wholearm run`, for those who plan and send goals themselves.
 """
 
-from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
-from launch.conditions import LaunchConfigurationNotEquals
+from launch.actions import (
+    DeclareLaunchArgument,
+    EmitEvent,
+    RegisterEventHandler,
+    SetEnvironmentVariable,
+)
+from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration, PythonExpression
@@ -30,6 +35,7 @@ ARGUMENTS = (
     ('priority', '20', 'of the loop in real time, where the machine allows it; 0: none'),
     ('record', '', 'directory of a bag to record into; empty: none'),
     ('storage', 'mcap', 'format of the bag: mcap or sqlite3'),
+    ('network', 'false', 'true: other machines may take part, and command the drives'),
 )
 
 
@@ -91,7 +97,7 @@ def generate_launch_description():
     recorder = node(
         'bag_recorder',
         {'path': text('record'), 'storage': text('storage'), **loop},
-        condition=LaunchConfigurationNotEquals('record', ''),
+        condition=IfCondition(PythonExpression(["'", LaunchConfiguration('record'), "' != ''"])),
     )
     # A graph with a node missing is of no use: all end with the first one that does.
     watch = [
@@ -100,14 +106,21 @@ def generate_launch_description():
                 target_action=n, on_exit=[EmitEvent(event=Shutdown(reason='a node ended'))]
             )
         )
-        for n in nodes
+        for n in (*nodes, recorder)
     ]
+    # The nodes choose their transport by it; without it they bind the loopback interface only.
+    network = SetEnvironmentVariable(
+        'ROS_AUTOMATIC_DISCOVERY_RANGE',
+        'SUBNET',
+        condition=IfCondition(LaunchConfiguration('network')),
+    )
     return LaunchDescription(
         [
             *(
                 DeclareLaunchArgument(name, default_value=value, description=told)
                 for name, value, told in ARGUMENTS
             ),
+            network,
             *nodes,
             recorder,
             *watch,

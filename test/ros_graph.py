@@ -1,5 +1,6 @@
 """A graph of real node processes and a client in it, for tests."""
 
+import os
 import time
 from pathlib import Path
 
@@ -71,3 +72,19 @@ class Graph:
     def close(self):
         self.client.close()
         self.processes.stop()
+
+
+def udp_sockets(pid: int) -> set:
+    """(local address, port) of the UDP sockets of process `pid`."""
+    own = set()
+    for descriptor in Path(f'/proc/{pid}/fd').iterdir():
+        try:
+            own.add(os.readlink(descriptor))
+        except OSError:
+            continue  # closed meanwhile
+    rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
+    local = [row[1].split(':') for row in rows if f'socket:[{row[9]}]' in own]
+    return {
+        ('.'.join(str(byte) for byte in bytes.fromhex(address)[::-1]), int(port, 16))
+        for address, port in local
+    }

@@ -16,8 +16,13 @@ from wholearm_ros.launcher.launcher import RunOptions, node_parameters
 FILE = Path(__file__).parents[2] / 'launch' / 'wholearm.launch.py'
 NAMES = {
     'launch': ['LaunchDescription'],
-    'launch.actions': ['DeclareLaunchArgument', 'EmitEvent', 'RegisterEventHandler'],
-    'launch.conditions': ['LaunchConfigurationNotEquals'],
+    'launch.actions': [
+        'DeclareLaunchArgument',
+        'EmitEvent',
+        'RegisterEventHandler',
+        'SetEnvironmentVariable',
+    ],
+    'launch.conditions': ['IfCondition'],
     'launch.event_handlers': ['OnProcessExit'],
     'launch.events': ['Shutdown'],
     'launch.substitutions': ['LaunchConfiguration', 'PythonExpression'],
@@ -43,7 +48,7 @@ def description(monkeypatch):
     parts = runpy.run_path(str(FILE))['generate_launch_description']().given[0]
     return {
         kind: [part for part in parts if type(part).__name__ == kind]
-        for kind in ('DeclareLaunchArgument', 'Node')
+        for kind in ('DeclareLaunchArgument', 'Node', 'SetEnvironmentVariable')
     }
 
 
@@ -63,14 +68,14 @@ def test_every_argument_is_used_and_every_used_one_is_declared_and_described(des
         told['description'] and isinstance(told['default_value'], str) for told in declared.values()
     )
     used = set()
-    for node in description['Node']:
-        used |= set(_configurations(node))
+    for part in (*description['Node'], *description['SetEnvironmentVariable']):
+        used |= set(_configurations(part))
     assert used == set(declared)
 
 
 def _configurations(part):
     """Names of the launch configurations anywhere in `part`."""
-    if type(part).__name__ in ('LaunchConfiguration', 'LaunchConfigurationNotEquals'):
+    if type(part).__name__ == 'LaunchConfiguration':
         yield part.given[0]
     elif isinstance(part, Record):
         for inner in (*part.given, *part.named.values()):

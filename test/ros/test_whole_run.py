@@ -9,8 +9,8 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from wholearm_ros.bag.reader import Bag, stamp_of
-from wholearm_ros.ros.interface import channels
 from wholearm_ros.bag.types import jazzy_typestore
+from wholearm_ros.ros.interface import channels
 
 pytestmark = pytest.mark.timeout(280)
 

@@ -17,6 +17,7 @@ from wholearm_ros.launcher.live_view import view_on
 from wholearm_ros.model.choices import FAILED, INTERRUPTED, OK, Backend, Search, Transition
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.package_share import scenario_path
+from wholearm_ros.ros.interface.transport import choose_transport
 
 out = Console(highlight=False)
 
@@ -63,6 +64,11 @@ def run(
     transition: Transition = typer.Option(
         Transition.auto, '--transition', help='How torque ranges that do not overlap are crossed.'
     ),
+    network: bool = typer.Option(
+        False,
+        '--network',
+        help='Let other machines take part, and command the drives; else only this one.',
+    ),
 ):
     """Plan and execute on the ROS 2 graph: every node a process, the hand's stand-in as hardware.
 
@@ -78,6 +84,7 @@ def run(
             '--figures: they are drawn from the bag; allowed: together with --record DIR'
         )
     _check_screen(view)
+    choose_transport(network=network)
     options = RunOptions(
         str(path),
         pacing=pacing.value,

@@ -22,6 +22,7 @@ from wholearm_ros.ros.interface.messages import (
     to_planar,
     values_of,
 )
+from wholearm_ros.ros.interface.transport import choose_transport
 
 
 class GraphError(WholeArmError):
@@ -49,6 +50,7 @@ class Client:
         self, watch=lambda: None, name: str = 'wholearm_client', namespace: str = channels.NAMESPACE
     ):
         self.heard, self.watch, self._request_stamp = Heard(), watch, ''
+        choose_transport()
         self.context = rclpy.Context()
         rclpy.init(
             context=self.context, signal_handler_options=rclpy.signals.SignalHandlerOptions.NO

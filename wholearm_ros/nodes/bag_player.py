@@ -15,7 +15,8 @@ from wholearm_ros.errors import BagError
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.messages import NANOSECONDS, set_stamp
 from wholearm_ros.ros.interface.parameters import Declared
-from wholearm_ros.ros.node.node import OK, WholeArmNode, run_node
+from wholearm_ros.ros.node.node import OK, WholeArmNode
+from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
     Declared('path', '', 'directory of the bag'),

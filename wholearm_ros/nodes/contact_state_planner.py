@@ -27,7 +27,8 @@ from wholearm_ros.ros.interface.messages import (
     to_planar,
 )
 from wholearm_ros.ros.interface.parameters import Declared
-from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode, run_node
+from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
     replace(SCENARIO, read_only=False),

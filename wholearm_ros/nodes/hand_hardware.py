@@ -25,7 +25,8 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.loop_meter import LoopMeter
-from wholearm_ros.ros.node.node import ERROR, OK, WARN, WholeArmNode, run_node
+from wholearm_ros.ros.node.node import ERROR, OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import state_markers
 from wholearm_ros.ros.visualization.robot_description import urdf
 from wholearm_ros.simulation.hand import BACKENDS, make_hand
@@ -58,6 +59,7 @@ SWITCH_INTERVAL = (
     0.0002  # [s] for which another thread of this process may keep the motors' thread waiting
 )
 REPEAT_PERIOD = 0.05  # [s] between two sendings of one state while lockstep waits
+MOTORS_END_WITHIN = 0.5  # [s]; a few periods, unless the machine does not run them
 SHOW_PERIOD = 0.1  # [s] between two sendings of markers and transforms
 
 
@@ -85,7 +87,7 @@ class HandHardware(WholeArmNode):
         self.now = FIRST_STAMP if self.lockstep else self.get_clock().now().nanoseconds
         self.guard.reset(self.now)
         self.answered = time.monotonic()
-        self.lock, self.leaving = threading.Lock(), False
+        self.lock, self.leaving, self.motors = threading.Lock(), False, None
 
         self.joint_states = self.publisher(channels.JOINT_STATES)
         self.object_pose = self.publisher(channels.OBJECT_POSE)
@@ -105,7 +107,8 @@ class HandHardware(WholeArmNode):
         else:
             sys.setswitchinterval(SWITCH_INTERVAL)
             self.pace = PeriodicTimer(self.period)
-            threading.Thread(target=self.run_on_the_wall_clock, daemon=True).start()
+            self.motors = threading.Thread(target=self.run_on_the_wall_clock, daemon=True)
+            self.motors.start()
 
     def on_command(self, message):
         stamp, joint, effort = to_command(message)
@@ -217,7 +220,10 @@ class HandHardware(WholeArmNode):
         return OK, guard.state, values
 
     def leave(self):
+        """Zero torque. The motors' thread ends first: it must not step a hand that is disconnected."""
         self.leaving = True
+        if self.motors:
+            self.motors.join(MOTORS_END_WITHIN)
         with self.lock:
             self.hand.step(np.zeros(2))
             self.hand.disconnect()

@@ -27,7 +27,8 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.execution import Execution, jumped
-from wholearm_ros.ros.node.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode, run_node
+from wholearm_ros.ros.node.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode
+from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
     PACING,

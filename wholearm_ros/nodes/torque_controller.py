@@ -9,7 +9,7 @@ from wholearm_ros.ros.interface.common_parameters import SCENARIO, SLEW_LIMIT, s
 from wholearm_ros.ros.interface.messages import to_torque_setpoint
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.controller_node import ControllerNode
-from wholearm_ros.ros.node.node import run_node
+from wholearm_ros.ros.node.run import run_node
 
 MOTOR_RATE = Declared(
     'motor_rate', 1000.0, 'of the hardware, for the limit on the rate of change [Hz]', 50.0, 2000.0

@@ -33,7 +33,8 @@ from wholearm_ros.ros.interface.messages import (
     values_of,
 )
 from wholearm_ros.ros.interface.parameters import Declared
-from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode, run_node
+from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import plan_markers
 from wholearm_ros.trajectory.main_trajectory import generate
 

@@ -7,7 +7,7 @@ from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import KD, KP, SCENARIO, gains_of, scenario_of
 from wholearm_ros.ros.interface.messages import to_velocity_setpoint
 from wholearm_ros.ros.node.controller_node import ControllerNode
-from wholearm_ros.ros.node.node import run_node
+from wholearm_ros.ros.node.run import run_node
 
 
 class VelocityController(ControllerNode):

@@ -1,18 +1,8 @@
 """What every node of the graph shares: channels, refusals that do not kill, diagnostics, and a way to leave."""
 
-import gc
-import os
-import signal
-import sys
-import threading
-
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
-from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
 from wholearm_ros.errors import WholeArmError
@@ -20,11 +10,11 @@ from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.joint_state_serialization import read_joints
 from wholearm_ros.ros.interface.messages import status_message
 from wholearm_ros.ros.interface.parameters import Declared, Parameters, survives_unknown_types
+from wholearm_ros.ros.node.measured_publisher import LongestPublish, MeasuredPublisher
 
 LEAVE_WITHIN = (
     0.8  # [s] after SIGINT or SIGTERM; then the process ends whatever a callback is doing
 )
-SIGNAL_PERIOD = 0.05  # [s] between two looks at whether a signal came
 OK, WARN, ERROR, STALE = (
     DiagnosticStatus.OK,
     DiagnosticStatus.WARN,
@@ -46,7 +36,7 @@ class WholeArmNode(Node):
 
     def __init__(self, name: str, declared):
         super().__init__(name, namespace=channels.NAMESPACE)
-        self.refused = 0  # messages
+        self.refused, self.longest_publish = 0, LongestPublish()  # messages, publish
         self.parameters = Parameters(
             self, (DIAGNOSTICS_RATE, PRIORITY, *declared), self.parameters_changed
         )
@@ -54,7 +44,8 @@ class WholeArmNode(Node):
         self.every(1.0 / self.parameters.diagnostics_rate, self.report)
 
     def publisher(self, topic: channels.Topic):
-        return self.create_publisher(topic.type, topic.name, topic.qos)
+        publisher = self.create_publisher(topic.type, topic.name, topic.qos)
+        return MeasuredPublisher(publisher, topic, self.longest_publish)
 
     def subscription(self, topic: channels.Topic, callback):
         """`callback(message)`; a WholeArmError in it refuses the message: logged, counted, and that is all.
@@ -92,7 +83,7 @@ class WholeArmNode(Node):
     def report(self):
         """One DiagnosticStatus on /diagnostics."""
         level, message, values = self.health()
-        values['refused messages'] = self.refused
+        values.update({'refused messages': self.refused, **self.longest_publish.figures()})
         array = DiagnosticArray(
             status=[status_message(self.get_fully_qualified_name(), level, message, values)]
         )
@@ -112,64 +103,3 @@ class WholeArmNode(Node):
 
     def leave(self):
         """On the way out, while the middleware still works: make the hand safe, close files."""
-
-
-def run_node(make_node, args=None, make_executor=EventsExecutor) -> int:
-    """Spin the node until SIGINT or SIGTERM; the exit code: 0, or 2 when it cannot start as told.
-
-    The handlers of rclpy would shut the middleware down at once; ours only set a flag, so that `leave` can still
-    publish. A thread sees to it that the process ends even when a callback does not return.
-    """
-    signalled, finished = _watch_signals(), threading.Event()
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        node = make_node()
-    except WholeArmError as error:
-        print(f'error: {error}', file=sys.stderr, flush=True)
-        rclpy.try_shutdown()
-        return 2
-    threading.Thread(
-        target=_end_in_time, args=(signalled, finished, node.leave_within), daemon=True
-    ).start()
-    executor = make_executor()
-    executor.add_node(node)
-    _raise_priority(node)
-    gc.collect()
-    gc.freeze()  # what is there stays: no collection of it holds up the loop
-    never = Future(executor=executor)
-    while (
-        not signalled.is_set() and not node.finished()
-    ):  # spin() would not look up, spin_once() returns every message
-        executor.spin_until_future_complete(never, timeout_sec=SIGNAL_PERIOD)
-    node.leave()
-    rclpy.try_shutdown()
-    finished.set()
-    return 0
-
-
-def _raise_priority(node):
-    """Where the machine allows it; else the node runs as it is and says so."""
-    if node.parameters.priority:
-        try:
-            for thread in os.listdir('/proc/self/task'):
-                os.sched_setscheduler(
-                    int(thread), os.SCHED_FIFO, os.sched_param(node.parameters.priority)
-                )
-        except OSError as error:
-            node.get_logger().info(
-                f'priority: not allowed here ({error.strerror}); running without'
-            )
-
-
-def _watch_signals() -> threading.Event:
-    """Set on SIGINT or SIGTERM."""
-    signalled = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: signalled.set())
-    return signalled
-
-
-def _end_in_time(signalled, finished, leave_within):
-    signalled.wait()
-    if not finished.wait(leave_within):
-        os._exit(0)

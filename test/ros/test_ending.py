@@ -1,0 +1,79 @@
+"""Every node ends by a signal in each phase of its life: exit code 0, in time, without a traceback."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from ros_graph import WAIT
+
+from wholearm_ros.ros.interface import channels
+
+WITHIN = 3.0  # [s]
+SIGNALS = [signal.SIGINT, signal.SIGTERM]
+NODES = (
+    'hand_hardware',
+    'mode_switcher',
+    'velocity_controller',
+    'torque_controller',
+    'trajectory_generator',
+    'bag_recorder',
+)
+
+
+def started(node, *parameters, **environment):
+    command = [sys.executable, '-m', f'wholearm_ros.nodes.{node}', '--ros-args']
+    for parameter in parameters:
+        command += ['-p', parameter]
+    return subprocess.Popen(
+        command,
+        env={**os.environ, **environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def ended(process, number):
+    """What it printed; fails unless it ended well and in time."""
+    began = time.monotonic()
+    process.send_signal(number)
+    told, _ = process.communicate(timeout=60)
+    assert time.monotonic() - began < WITHIN
+    assert process.returncode == 0 and 'Traceback' not in told, told
+    return told
+
+
+@pytest.mark.parametrize('number', SIGNALS)
+@pytest.mark.parametrize('node', NODES)
+def test_a_node_alone_ends_by_a_signal(graph, node, number, tmp_path):
+    """hand_hardware in real time has a thread that goes on stepping the hand."""
+    parameters = [f'path:={tmp_path / "bag"}'] if node == 'bag_recorder' else []
+    said = graph.listen(channels.DIAGNOSTICS)
+    process = started(node, *parameters)
+    graph.wait(lambda: any(node in m.status[0].name for m in said), node)
+    ended(process, number)
+
+
+@pytest.mark.parametrize('number', SIGNALS)
+def test_a_planner_that_compiles_its_kernels_ends_by_a_signal(graph, number, tmp_path):
+    said = graph.listen(channels.PLANNER_STATUS)
+    process = started('contact_state_planner', NUMBA_CACHE_DIR=str(tmp_path))
+    graph.wait(lambda: any('compiled' in m.message for m in said), 'contact_state_planner')
+    ended(process, number)
+    assert not any(m.message == 'ready' for m in said)
+
+
+@pytest.mark.parametrize('number', SIGNALS)
+def test_a_planner_that_plans_ends_by_a_signal(graph, number):
+    said = graph.listen(channels.PLANNER_STATUS)
+    process = started('contact_state_planner', 'search:=random')
+    graph.wait(lambda: any(m.message == 'ready' for m in said), 'contact_state_planner')
+    service = channels.PLAN_SCENARIO
+    client = graph.node.create_client(service.type, service.name)
+    graph.wait(client.service_is_ready, service.name, WAIT)
+    client.call_async(service.type.Request())
+    graph.wait(lambda: any(m.message.startswith('planning') for m in said), 'planning')
+    ended(process, number)

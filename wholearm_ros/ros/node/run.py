@@ -1,0 +1,102 @@
+"""Runs a node as a process of its own, from its first line to its exit code, and ends it in time on a signal."""
+
+import gc
+import os
+import signal
+import sys
+import threading
+from typing import Callable, Optional, Sequence
+
+import rclpy
+from rclpy.executors import Executor
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from wholearm_ros.errors import WholeArmError
+from wholearm_ros.ros.interface.transport import choose_transport
+from wholearm_ros.ros.node.node import LEAVE_WITHIN, WholeArmNode
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNAL_PERIOD = 0.05  # [s] between two looks at whether a signal came
+EXIT_WITHIN = 2  # [s] for the interpreter to end by itself, then the kernel ends it
+
+
+class Ending:
+    """Notices SIGINT and SIGTERM whatever the main thread is doing, and ends the process when that takes too long.
+
+    rclpy's handlers would shut the middleware down at once; here the node still publishes on its way out. Python runs
+    handlers only between two lines of the main thread, which may be compiling or deep in the middleware, so a thread
+    waits for what the interpreter writes into a pipe when a signal arrives.
+    """
+
+    def __init__(self) -> None:
+        self.within = LEAVE_WITHIN  # [s] from the signal to the end of the process
+        self.signalled, self._left = threading.Event(), threading.Event()
+        self._read, write = os.pipe()
+        os.set_blocking(write, False)
+        for number in SIGNALS:
+            signal.signal(number, lambda *_: None)
+        signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def _watch(self) -> None:
+        while not set(os.read(self._read, 1)) & set(SIGNALS):
+            pass
+        self.signalled.set()
+        if not self._left.wait(self.within):
+            os._exit(0)
+
+    def left(self) -> None:
+        """The node is gone; what is left is the interpreter's own exit, which gets a limit, too."""
+        self._left.set()
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(EXIT_WITHIN)
+
+
+def run_node(
+    make_node: Callable[[], WholeArmNode],
+    args: Optional[Sequence[str]] = None,
+    make_executor: Callable[[], Executor] = EventsExecutor,
+) -> int:
+    """Spin the node until SIGINT or SIGTERM; the exit code: 0, or 2 when it cannot start as configured."""
+    ending, transport = Ending(), choose_transport()
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = make_node()
+    except WholeArmError as error:
+        print(f'error: {error}', file=sys.stderr, flush=True)
+        rclpy.try_shutdown()
+        ending.left()
+        return 2
+    node.get_logger().info(transport)
+    ending.within = node.leave_within
+    executor = make_executor()
+    executor.add_node(node)
+    _raise_priority(node)
+    gc.collect()
+    gc.freeze()  # what is there stays: no collection of it holds up the loop
+    _spin(executor, node, ending)
+    node.leave()
+    rclpy.try_shutdown()
+    ending.left()
+    return 0
+
+
+def _spin(executor: Executor, node: WholeArmNode, ending: Ending) -> None:
+    """spin() would not look up, and spin_once() returns after every message."""
+    never: Future = Future(executor=executor)
+    while not ending.signalled.is_set() and not node.finished():
+        executor.spin_until_future_complete(never, timeout_sec=SIGNAL_PERIOD)
+
+
+def _raise_priority(node: WholeArmNode) -> None:
+    """Where the machine allows it; else the node runs as it is and says so."""
+    priority = node.parameters.priority
+    if not priority:
+        return
+    try:
+        for thread in os.listdir('/proc/self/task'):
+            os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(priority))
+    except OSError as error:
+        node.get_logger().info(f'priority: not allowed here ({error.strerror}); running without')
