@@ -15,10 +15,11 @@ FIRST_PLAN = """
 import json, resource, sys, time
 began = time.perf_counter()
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.offer import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 scenario, marks = load_scenario(sys.argv[1]), [time.perf_counter()]
 for _ in range(2):
-    offer(scenario, Request())
+    plan_and_verify(scenario, PlanRequest())
     marks.append(time.perf_counter())
 print(json.dumps([b - a for a, b in zip([began, *marks], marks)] + [resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024]))
 """

@@ -39,9 +39,9 @@ def _executed(planned, repeats) -> dict:
         )
         for times, work in (
             (generation, lambda: generate(scenario, found)),
-            (one, lambda: verify(trajectory, scenario, copies[:1])),
-            (many, lambda: verify(trajectory, scenario, copies)),
-            (both, lambda: verify(generate(scenario, found), scenario, copies)),
+            (one, lambda: verify(trajectory, copies[:1])),
+            (many, lambda: verify(trajectory, copies)),
+            (both, lambda: verify(generate(scenario, found), copies)),
         ):
             taken = sorted(seconds(work, repeats))
             times.append(taken[len(taken) // 2])

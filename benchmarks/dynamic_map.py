@@ -18,7 +18,8 @@ from matplotlib.patches import Rectangle
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.figures.canvas import new_figure, save
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
 from wholearm_ros.rollout.verification import run_trial
@@ -111,7 +112,7 @@ def main():
     parser.add_argument('--json', type=Path)
     options = parser.parse_args()
     scenario = load_scenario(options.scenario)
-    answer = offer(scenario, Request(transition='dynamic'))
+    answer = plan_and_verify(scenario, PlanRequest(transition='dynamic'))
     if answer.trajectory is None:
         parser.exit(1, f'{answer.plan.summary()}\n')
     shares, dynamic = success_map(scenario, answer)

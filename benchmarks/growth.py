@@ -22,7 +22,8 @@ from timing import seconds
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import gap_table
 from wholearm_ros.model.scenario_file import load_scenario, parse_scenario
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.warm import warm
 from wholearm_ros.planning.problem import build_problem
 from wholearm_ros.planning.routes import BEST, RANDOM, SearchOptions, plan
@@ -64,11 +65,11 @@ def vertices() -> dict:
 def copies() -> dict:
     """Verification of the asymmetric hexagon's trajectory in so many copies."""
     scenario = load_scenario(ROOT / 'config' / 'asymmetric_hexagon.yaml')
-    trajectory = offer(scenario, Request(copies=1)).trajectory
+    trajectory = plan_and_verify(scenario, PlanRequest(samples=1)).trajectory
     series = []
     for n in COPIES:
         made = build_perturbed_samples(scenario, n - 1, 1.0, 0)
-        series.append(min(seconds(lambda: verify(trajectory, scenario, made), 3)))
+        series.append(min(seconds(lambda: verify(trajectory, made), 3)))
     return _part('copies', COPIES, {'verification': series})
 
 

@@ -18,7 +18,8 @@ import numpy as np
 
 from wholearm_ros.model.perturbation import draw_perturbation
 from wholearm_ros.model.scenario_file import parse_scenario
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.simulation.closed_loop import run
 from wholearm_ros.simulation.outcome import outcome
 from wholearm_ros.suite.suite_file import SuiteEntry, load_suite
@@ -28,7 +29,7 @@ def judge(task: SuiteEntry, levels: tuple, draws: int, seed: int) -> dict:
     """One task: its plan, and for every level the outcomes of its runs."""
     scenario = parse_scenario(task.scenario, task.name)
     began = time.perf_counter()
-    answer = offer(scenario, Request(seed=seed))
+    answer = plan_and_verify(scenario, PlanRequest(seed=seed))
     result = {
         'name': task.name,
         'planned': answer.trajectory is not None,

@@ -12,9 +12,10 @@ from pathlib import Path
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.scenario_file import parse_scenario
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
-from wholearm_ros.rollout.verification import run_trials_at_once
+from wholearm_ros.rollout.verification import parallel_rollouts
 from wholearm_ros.suite.suite_file import load_suite
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
 from wholearm_ros.trajectory.main_trajectory import generate
@@ -43,7 +44,7 @@ def main():
     survived, seconds, runs = [0] * len(LIMITS), [0.0] * len(LIMITS), 0
     for task in load_suite(options.suite):
         scenario = parse_scenario(task.scenario, task.name)
-        found = offer(scenario, Request(moves=0, time_budget=options.time_budget))
+        found = plan_and_verify(scenario, PlanRequest(moves=0, time_budget=options.time_budget))
         if found.trajectory is None:
             continue
         copies = build_perturbed_samples(scenario, options.copies, options.level, COPIES_SEED)[1:]
@@ -54,8 +55,7 @@ def main():
                 scenario, found.plan, replace(chosen, speed=speed, acceleration=acceleration)
             )
             survived[k] += sum(
-                trial.success
-                for trial in run_trials_at_once(trajectory, scenario, copies, ControlOptions())
+                trial.success for trial in parallel_rollouts(trajectory, copies, ControlOptions())
             )
             seconds[k] += trajectory.duration
         print(f'{task.name}: {survived} of {runs}', flush=True)

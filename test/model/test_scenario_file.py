@@ -155,6 +155,14 @@ def test_an_edge_that_cannot_carry_the_object_is_refused():
         parse_scenario(document)
 
 
+@pytest.mark.parametrize('factor', [5.0, 10.0, 1.0 / 0.0254])
+def test_an_object_in_another_unit_than_metres_is_told_so(factor):
+    """An object of many times the hand's size was read, and broke the search."""
+    vertices = (factor * np.array(BASE['object']['vertices'])).tolist()
+    with pytest.raises(ScenarioError, match='span of the open hand .are the vertices in metres'):
+        parse_scenario(changed('object.vertices', vertices))
+
+
 def test_every_problem_is_told_not_only_the_first():
     document = changed('object.mass', -1)
     document['goal'] = {'edge': 'x'}

@@ -8,18 +8,20 @@ from problems import ASYMMETRIC, SHIPPED, SQUARE, with_torque_limits
 
 from wholearm_ros.errors import ScenarioError
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.model.scenario import StartOnEdge
+from wholearm_ros.model.polygon import Polygon
+from wholearm_ros.model.scenario import GoalOnEdge, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.trajectory.main_trajectory import generate
 
-BEST, RANDOM = Request(), Request(search='random', seed=3)
+BEST, RANDOM = PlanRequest(), PlanRequest(search='random', seed=3)
 
 
 @pytest.fixture(scope='module')
 def offers():
     return {
-        (name, request.search): offer(scenario, request)
+        (name, request.search): plan_and_verify(scenario, request)
         for name, scenario in SHIPPED.items()
         for request in (BEST, RANDOM)
     }
@@ -30,9 +32,10 @@ def offers():
 def test_the_shipped_scenarios_are_offered_and_every_copy_survives(offers, name, search):
     found = offers[name, search]
     record = found.trajectory.verification
-    assert found.plan.found and found.verification.survived == 1.0
+    assert found.plan.found and found.verification.success_rate == 1.0
     assert (
-        record['survived'] == record['copies'] == Request().copies + 1 and record['reasons'] == []
+        record['survived'] == record['copies'] == PlanRequest().samples + 1
+        and record['reasons'] == []
     )
     assert record['lcp_residual'] <= 1e-9
 
@@ -50,7 +53,7 @@ def test_the_generator_makes_the_offered_trajectory_from_the_plan_document_alone
 
 @pytest.mark.parametrize('name', SHIPPED)
 def test_the_same_request_gives_the_same_documents(offers, name):
-    again = offer(SHIPPED[name], RANDOM)
+    again = plan_and_verify(SHIPPED[name], RANDOM)
     assert again.plan.to_json() == offers[name, 'random'].plan.to_json()
     assert again.trajectory.to_json() == offers[name, 'random'].trajectory.to_json()
 
@@ -62,20 +65,22 @@ def test_timings_name_the_three_stages(offers):
 
 
 def test_a_clockwise_task_is_offered_too():
-    found = offer(ASYMMETRIC.mirrored(), replace(BEST, copies=2))
-    assert found.verification.survived == 1.0
+    found = plan_and_verify(ASYMMETRIC.mirrored(), replace(BEST, samples=2))
+    assert found.verification.success_rate == 1.0
     assert found.trajectory.poses[-1, 2] < found.trajectory.poses[0, 2]
     ManipulationTrajectory.from_json(found.trajectory.to_json())
 
 
 def test_motors_that_cannot_lift_the_object_get_a_reason_and_no_trajectory():
-    found = offer(with_torque_limits(ASYMMETRIC, 0.02), Request(copies=1, candidates=3, moves=60))
+    found = plan_and_verify(
+        with_torque_limits(ASYMMETRIC, 0.02), PlanRequest(samples=1, candidates=3, moves=60)
+    )
     assert found.trajectory is None and not found.plan.found and found.plan.reason
     assert not found.plan.path and not found.plan.legs
 
 
 def test_a_graph_without_a_route_gets_its_own_reason():
-    found = offer(SQUARE, Request(moves=0))
+    found = plan_and_verify(SQUARE, PlanRequest(moves=0))
     assert (
         found.trajectory is None
         and found.plan.outcome == 'exhausted'
@@ -85,21 +90,55 @@ def test_a_graph_without_a_route_gets_its_own_reason():
 
 def test_a_route_that_no_copy_survives_is_not_offered():
     """Copies so wildly perturbed that most must fail: the answer says how many candidates were tried and why they failed."""
-    found = offer(ASYMMETRIC, Request(copies=6, level=12.0, candidates=2, moves=0))
+    found = plan_and_verify(ASYMMETRIC, PlanRequest(samples=6, level=12.0, candidates=2, moves=0))
     assert found.trajectory is None and found.plan.outcome == 'not_executable'
     assert 'candidates tried' in found.plan.reason and not found.plan.legs
 
 
 def test_a_start_out_of_reach_is_an_error():
     with pytest.raises(ScenarioError):
-        offer(replace(ASYMMETRIC, start=StartOnEdge(0, -0.9)))
+        plan_and_verify(replace(ASYMMETRIC, start=StartOnEdge(0, -0.9)))
 
 
 def test_progress_is_told_for_people():
     lines = []
-    offer(
+    plan_and_verify(
         with_torque_limits(ASYMMETRIC, 0.6),
-        Request(copies=1, candidates=2, moves=0),
+        PlanRequest(samples=1, candidates=2, moves=0),
         progress=lines.append,
     )
     assert all('candidates tried' in line for line in lines)
+
+
+def test_a_spent_time_budget_is_its_own_reason():
+    """Not 'exhausted': with more time there may be a plan."""
+    found = plan_and_verify(SQUARE, PlanRequest(time_budget=0.0))
+    assert found.trajectory is None and found.plan.outcome == 'time_spent'
+    assert 'time budget of 0 s is spent' in found.plan.reason
+
+
+def test_every_search_that_ended_is_named():
+    found = plan_and_verify(SQUARE, PlanRequest(moves=50))
+    assert found.plan.outcome == 'exhausted' and 'dynamic primitives' in found.plan.reason
+
+
+def test_a_fault_inside_of_the_tree_is_not_taken_for_its_end(monkeypatch):
+    def broken(*_):
+        raise IndexError('a bug')
+
+    monkeypatch.setattr('wholearm_ros.planning.primitive_tree.simulate_primitive', broken)
+    with pytest.raises(IndexError):
+        plan_and_verify(SQUARE, PlanRequest(moves=50))
+
+
+def test_a_polygon_of_forty_vertices_is_planned_or_refused_for_a_true_reason():
+    angles = 2 * np.pi * np.arange(40) / 40
+    ring = Polygon(0.055 * np.column_stack([np.cos(angles), np.sin(angles)]))
+    scenario = replace(
+        ASYMMETRIC,
+        object=replace(ASYMMETRIC.object, polygon=ring),
+        start=StartOnEdge(0, 0.0),
+        goal=GoalOnEdge(39, 'ccw'),
+    )
+    found = plan_and_verify(scenario, PlanRequest(moves=0, candidates=2, time_budget=20.0))
+    assert found.plan.outcome in ('found', 'not_executable', 'exhausted', 'time_spent')

@@ -10,7 +10,8 @@ from rosbags.typesys import Stores, get_typestore
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.run_view import view_of
 from wholearm_ros.simulation.closed_loop import run
 
@@ -23,7 +24,7 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 def made():
     """(plan, trajectory, record) of the asymmetric hexagon on the planar stand-in."""
     scenario = load_scenario(CONFIG / 'asymmetric_hexagon.yaml')
-    answer = offer(scenario, Request(copies=2))
+    answer = plan_and_verify(scenario, PlanRequest(samples=2))
     return answer.plan, answer.trajectory, run(scenario, answer.trajectory, backend='planar')
 
 

@@ -7,9 +7,10 @@ import pytest
 from problems import ASYMMETRIC
 
 from wholearm_ros.model.scenario import GoalOnEdge
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
-from wholearm_ros.rollout.verification import Trial, Verification, velocity_fingers, verify
+from wholearm_ros.rollout.verification import Rollout, Verification, velocity_fingers, verify
 
 COPIES = build_perturbed_samples(ASYMMETRIC, 4, 1.0, 0)
 NOMINAL = COPIES[:1]
@@ -17,24 +18,30 @@ NOMINAL = COPIES[:1]
 
 @pytest.fixture(scope='module')
 def trajectory():
-    return offer(ASYMMETRIC, Request(copies=2, moves=0, transition='dwell')).trajectory
+    return plan_and_verify(
+        ASYMMETRIC, PlanRequest(samples=2, moves=0, transition='dwell')
+    ).trajectory
 
 
 def test_a_good_trajectory_survives_as_told_and_in_perturbed_copies(trajectory):
-    found = verify(trajectory, ASYMMETRIC, COPIES)
-    assert found.survived == 1.0 and not found.reasons() and found.asked == len(found.trials) == 5
+    found = verify(trajectory, COPIES)
+    assert (
+        found.success_rate == 1.0
+        and not found.reasons()
+        and found.asked == len(found.rollouts) == 5
+    )
     assert found.to_dict()['lcp_residual'] <= 1e-9
 
 
 def test_verification_is_the_same_every_time(trajectory):
-    one, two = (verify(trajectory, ASYMMETRIC, COPIES) for _ in range(2))
-    for a, b in zip(one.trials, two.trials):
+    one, two = (verify(trajectory, COPIES) for _ in range(2))
+    for a, b in zip(one.rollouts, two.rollouts):
         np.testing.assert_array_equal(a.configurations, b.configurations)
 
 
 def test_the_nominal_run_keeps_to_the_planned_poses(trajectory):
     """Within 5 mm and 0.05 rad to the end of the last quasi-static stroke: such plans predict their execution."""
-    trial = verify(trajectory, ASYMMETRIC, NOMINAL).nominal
+    trial = verify(trajectory, NOMINAL).nominal
     release = max(s.end for s in trajectory.segments if s.mode == 'quasi_static')
     planned = trajectory.poses[
         np.minimum(np.round(trial.times / trajectory.period).astype(int), len(trajectory.poses) - 1)
@@ -49,8 +56,8 @@ def test_a_torque_far_out_of_range_fails(trajectory, wrong):
     efforts = trajectory.efforts.copy()
     sides = velocity_fingers(trajectory)
     efforts[np.arange(len(sides)), 1 - sides] += wrong
-    found = verify(replace(trajectory, efforts=efforts), ASYMMETRIC, NOMINAL)
-    assert found.survived == 0.0 and found.reasons() and found.nominal.residual <= 1e-9
+    found = verify(replace(trajectory, efforts=efforts), NOMINAL)
+    assert found.success_rate == 0.0 and found.reasons() and found.nominal.residual <= 1e-9
 
 
 def test_a_trajectory_that_stands_still_does_not_reach_the_goal(trajectory):
@@ -59,18 +66,19 @@ def test_a_trajectory_that_stands_still_does_not_reach_the_goal(trajectory):
         angles=np.repeat(trajectory.angles[:1], len(trajectory.angles), axis=0),
         velocities=np.zeros_like(trajectory.velocities),
     )
-    assert 'rotation is off' in verify(still, ASYMMETRIC, NOMINAL).nominal.reason
+    assert 'rotation is off' in verify(still, NOMINAL).nominal.reason
 
 
 def test_an_x_asked_for_must_be_reached(trajectory):
     for x, tolerance, fails in ((0.10, 0.01, True), (0.0, 0.5, False)):
         asked = replace(ASYMMETRIC, goal=GoalOnEdge(5, 'ccw', x, tolerance))
-        assert bool(verify(trajectory, asked, NOMINAL).nominal.reason) == fails
+        nominal = build_perturbed_samples(asked, 0, 0.0, 0)
+        assert bool(verify(trajectory, nominal).nominal.reason) == fails
 
 
-def test_trials_that_were_not_run_count_as_failed():
-    good = Trial(np.zeros(1), np.zeros((1, 5)), True, '', 0.0)
-    assert Verification((good, good), 4).survived == 0.5
+def test_rollouts_that_were_not_run_count_as_failed():
+    good = Rollout(np.zeros(1), np.zeros((1, 5)), True, '', 0.0)
+    assert Verification((good, good), 4).success_rate == 0.5
 
 
 def test_the_velocity_finger_of_every_sample_is_that_of_its_segment(trajectory):

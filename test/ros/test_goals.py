@@ -2,11 +2,15 @@
 
 import uuid
 
+import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
+from problems import ASYMMETRIC
 from ros_graph import ALL
 
 from wholearm_ros.launcher.client import Client
+from wholearm_ros.mechanics.contacts import pose_on_palm
+from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.joint_state_serialization import reading_of
 from wholearm_ros.ros.interface.messages import to_joints, values_of
@@ -97,3 +101,25 @@ def test_poses_that_cannot_be_planned_are_answered(graph):
     assert not graph.client.call(channels.PLAN, 120.0, request).plan.poses
     graph.wait(lambda: told and 'not finite' in told[-1].message, 'the reason')
     assert graph.client.call(channels.PLAN_SCENARIO, 120.0).success
+
+
+@pytest.mark.parametrize(
+    'x, goal_x, turn', [(-0.02, -0.01, 0.0), (0.043, 0.0205, 0.148), (-0.02, 0.003, 0.302)]
+)
+def test_a_slide_a_turn_and_both_are_planned_between_poses(graph, x, goal_x, turn):
+    """What nav_msgs/GetPlan asks for: no edge of the object is stable between start and goal."""
+    from nav_msgs.srv import GetPlan
+
+    graph.start(('contact_state_planner',))
+    told = graph.listen(channels.PLANNER_STATUS)
+    world = build_world(ASYMMETRIC)
+    request = GetPlan.Request()
+    start, goal = (pose_on_palm(world, at, angle) for at, angle in ((x, 0.0), (goal_x, turn)))
+    for end, pose in ((request.start, start), (request.goal, goal)):
+        end.pose.position.x, end.pose.position.y = float(pose[0]), float(pose[1])
+        end.pose.orientation.z, end.pose.orientation.w = np.sin(pose[2] / 2), np.cos(pose[2] / 2)
+    poses = graph.client.call(channels.PLAN, 120.0, request).plan.poses
+    assert len(poses) > 1, told[-1].message
+    last = poses[-1].pose
+    assert abs(last.position.x - goal[0]) < 0.005
+    assert abs(2 * np.arctan2(last.orientation.z, last.orientation.w) - turn) < 0.015

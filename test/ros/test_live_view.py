@@ -16,12 +16,15 @@ pytest.importorskip('rclpy', reason='needs ROS 2')
 from wholearm_ros.launcher.live_view import BAR, moment_of, picture, torque_bar, view_on  # noqa: E402
 from wholearm_ros.model.hand import CLOSING  # noqa: E402
 from wholearm_ros.model.scenario_file import load_scenario  # noqa: E402
-from wholearm_ros.planner.planner import Request, offer  # noqa: E402
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest  # noqa: E402
 
 
 @pytest.fixture(scope='module')
 def trajectory(config):
-    return offer(load_scenario(config / 'asymmetric_hexagon.yaml'), Request(copies=1)).trajectory
+    return plan_and_verify(
+        load_scenario(config / 'asymmetric_hexagon.yaml'), PlanRequest(samples=1)
+    ).trajectory
 
 
 def moment_at(trajectory, t):

@@ -94,7 +94,9 @@ def test_a_node_binds_nothing_but_the_loopback_interface(graph):
     graph.wait(lambda: states, 'joint_states')
     pid = graph.processes.pid('hand_hardware')
     assert {address for address, _ in udp_sockets(pid)} == {'127.0.0.1'}
-    assert '/dev/shm/fastrtps' not in Path(f'/proc/{pid}/maps').read_text(), 'shared memory is in use'
+    assert '/dev/shm/fastrtps' not in Path(f'/proc/{pid}/maps').read_text(), (
+        'shared memory is in use'
+    )
 
 
 @pytest.mark.parametrize('discovery', ['LOCALHOST', None])

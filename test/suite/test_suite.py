@@ -76,7 +76,7 @@ def test_a_bug_is_never_called_infeasible(monkeypatch):
     def broken(*_):
         raise ZeroDivisionError('a bug')
 
-    monkeypatch.setattr('wholearm_ros.suite.suite.offer', broken)
+    monkeypatch.setattr('wholearm_ros.suite.suite.plan_and_verify', broken)
     result = run_task(SuiteEntry('good', HEXAGON), SuiteOptions())
     assert 'ZeroDivisionError: a bug' in result['error'] and result['reason'] == 'error'
 

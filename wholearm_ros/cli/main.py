@@ -321,13 +321,14 @@ def _scenario(path: Path):
 
 
 def _offer(scenario, seed, search, transition, time_budget):
-    from wholearm_ros.planner.planner import Request, offer
+    from wholearm_ros.planner.planner import plan_and_verify
+    from wholearm_ros.planner.request import PlanRequest
 
-    request = Request(
+    request = PlanRequest(
         search=search.value, seed=seed, transition=transition.value, time_budget=time_budget
     )
     with err.status('planning') as status:
-        return offer(
+        return plan_and_verify(
             scenario, request, progress=lambda line: status.update(f'planning: {_escape(line)}')
         )
 

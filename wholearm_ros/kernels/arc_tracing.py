@@ -36,7 +36,7 @@ CLOSED, EDGE_END, JOINT_LIMIT, SINGULAR, NO_EQUILIBRIUM, CAGED, BLOCKED, TOO_LON
     9,
 )
 
-FIRST_STEP = 0.01  # of the scaled arc length, in which 0.1 m counts as 1 rad
+FIRST_STEP = 0.01  # of the scaled arc length, in which two thirds of a finger count as 1 rad
 LARGEST_STEP = 0.06
 SMALLEST_STEP = 1e-7
 LARGEST_TURN = 0.15  # of the unit tangent in one step

@@ -314,6 +314,22 @@ def finger_clearance(obj, fingers, side, theta, x, y, c, s):
 
 
 @kernel
+def left_the_hand(palm, fingers, q):
+    """Whether the object's centroid is where no finger brings it back from: a third of a finger's length beyond an end of
+    the palm, below the palm, or two lengths above an axis."""
+    length = max(fingers[0, 2], fingers[1, 2])
+    lowest = palm[0, 1]
+    for k in range(palm.shape[0]):
+        lowest = min(lowest, palm[k, 1])
+    return (
+        q[0] < palm[0, 0] - length / 3.0
+        or q[0] > palm[palm.shape[0] - 1, 0] + length / 3.0
+        or q[1] < lowest
+        or q[1] > max(fingers[0, 1], fingers[1, 1]) + 2.0 * length
+    )
+
+
+@kernel
 def closing_angle(obj, fingers, limits, side, x, y, angle):
     """Joint angle at which a finger, swept closed from its open limit, first touches the object at (x, y, angle).
 

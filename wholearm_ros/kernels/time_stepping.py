@@ -14,6 +14,7 @@ from wholearm_ros.kernels.geometry import (
     fill_row,
     frame_of,
     gap_table,
+    left_the_hand,
     pair_body,
     table_entry,
     table_size,
@@ -394,7 +395,7 @@ def run_move(
             record_angle[count] = wanted
             mean = 0.0
             count += 1
-        if abs(q[0]) > 0.2 or q[1] > 0.25 or q[1] < -0.02:
+        if left_the_hand(palm, fingers, q):
             break
     q_kept[:], v_kept[:] = q, v
     return count, worst

@@ -9,6 +9,7 @@ from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.world import World, build_world
 from wholearm_ros.model.hand import LEFT, RIGHT, SIDES
 from wholearm_ros.model.orientation import palm_segment_under, start_rotation
+from wholearm_ros.model.polygon import support
 from wholearm_ros.model.scenario import Scenario, StartAtPose
 
 CLOSED_GAP = 1e-7  # [m] a pair with a smaller gap is closed
@@ -156,9 +157,7 @@ def start_configuration(scenario: Scenario, world: World = None) -> np.ndarray:
 def pose_on_palm(world: World, x: float, angle: float, segment: int = 0) -> np.ndarray:
     """(3,) pose whose lowest vertex touches the line of a palm segment, with the centroid at x [m]."""
     ax, ay, _, _, nx, ny, _ = geometry.palm_edge(world.palm, segment)
-    c, s = np.cos(angle), np.sin(angle)
-    turned = world.obj[:, :2] @ np.array([[c, s], [-s, c]])
-    reach = (turned @ [nx, ny]).min()
+    reach = support(world.obj[:, :2], angle, np.array([nx, ny]))
     y = ay + (-reach - nx * (x - ax)) / ny
     return np.array([x, y, angle])
 

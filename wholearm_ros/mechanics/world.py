@@ -7,7 +7,9 @@ import numpy as np
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.scenario import Scenario
 
-LENGTH_SCALE = 0.1  # [m] that counts as much as 1 rad where configurations are compared
+LENGTH_PER_RADIAN = (
+    2.0 / 3.0
+)  # of a finger: the length that counts as much as 1 rad where configurations are compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +42,13 @@ def build_world(scenario: Scenario) -> World:
     body, hand, g = scenario.object, scenario.hand, scenario.gravity.in_plane
     fingers = [(*f.axis, f.length, f.half_width) for f in (hand.left, hand.right)]
     both = (hand.left, hand.right)
+    length = round(LENGTH_PER_RADIAN * 0.5 * sum(f.length for f in both), 12)
     return World(
         obj=readonly(_with_edges(body.polygon.vertices_about_centroid, closed=True)),
         palm=readonly(_with_edges(scenario.palm.vertices, closed=False)),
         fingers=readonly(fingers),
         corners=readonly(_touchable_corners(scenario.palm.vertices), dtype=np.int64),
-        scale=readonly([LENGTH_SCALE, LENGTH_SCALE, 1.0, 1.0, 1.0]),
+        scale=readonly([length, length, 1.0, 1.0, 1.0]),
         limits=readonly([f.angle_limits for f in both]),
         load=readonly([0.0, body.mass * g, 0.0, 0.0, 0.0]),
         finger_moment=readonly([f.mass * g * f.length / 2 for f in both]),

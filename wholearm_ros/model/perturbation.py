@@ -22,6 +22,7 @@ VELOCITY_NOISE = (
 )
 MIN_TURN = 1e-3  # sine of the smallest turn that a perturbed polygon must keep at each vertex
 MAX_TRIES = 1000
+MAX_HALVINGS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,16 +91,25 @@ def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario
 
 
 def _draw_offsets(rng: np.random.Generator, size: float, vertices: np.ndarray) -> np.ndarray:
-    """(n, 2) [m], drawn again until the polygon stays convex."""
+    """(n, 2) [m], drawn again until the polygon stays convex. Where edges are so short, or corners so flat, that hardly any
+    draw leaves it so, the last draw is halved until it does."""
     for _ in range(MAX_TRIES):
         offsets = size * rng.uniform(-1.0, 1.0, size=vertices.shape)
-        edges = np.roll(vertices + offsets, -1, axis=0) - (vertices + offsets)
-        following = np.roll(edges, -1, axis=0)
-        cross = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
-        lengths = np.linalg.norm(edges, axis=1)
-        if np.all(cross > MIN_TURN * lengths * np.roll(lengths, -1)):
+        if _stays_convex(vertices + offsets):
+            return offsets
+    for _ in range(MAX_HALVINGS):
+        offsets = 0.5 * offsets
+        if _stays_convex(vertices + offsets):
             return offsets
     raise ScenarioError(
-        f'object.vertices: no offsets of ±{size} m found in {MAX_TRIES} draws that keep the polygon '
-        f'convex; allowed: a smaller perturbation level, or a polygon without such short edges'
+        'object.vertices: no offsets found that keep the polygon convex; '
+        'allowed: a convex polygon with a corner at every vertex'
     )
+
+
+def _stays_convex(vertices: np.ndarray) -> bool:
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    following = np.roll(edges, -1, axis=0)
+    cross = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+    lengths = np.linalg.norm(edges, axis=1)
+    return bool(np.all(cross > MIN_TURN * lengths * np.roll(lengths, -1)))

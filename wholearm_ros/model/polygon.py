@@ -69,6 +69,17 @@ class Polygon:
         return Polygon((self.vertices * [-1.0, 1.0])[order])
 
 
+def rotated(vertices: np.ndarray, angle: float) -> np.ndarray:
+    """(n, 2): vertices turned about the origin by `angle` [rad], counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    return vertices @ np.array([[c, s], [-s, c]])
+
+
+def support(vertices: np.ndarray, angle: float, normal: np.ndarray) -> float:
+    """How far [m] the outline, turned by `angle` [rad], reaches along `normal` (2,) at the least: negative below the origin."""
+    return float((rotated(vertices, angle) @ normal).min())
+
+
 def _cross_with_next(v: np.ndarray) -> np.ndarray:
     w = np.roll(v, -1, axis=0)
     return v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]

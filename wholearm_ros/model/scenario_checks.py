@@ -33,7 +33,8 @@ def problems_with(table: ScenarioTable) -> list:
         p for side in SIDES for p in _finger_problems(f'hand.{side}', getattr(table.hand, side))
     ]
     rest = [] if shape else _rest_problems(table)
-    return shape + hand + palm + rest + ([] if palm else _place_problems(table))
+    size = [] if shape else _size_problems(table)
+    return shape + size + hand + palm + rest + ([] if palm else _place_problems(table))
 
 
 def problems_at_start(scenario: Scenario) -> list:
@@ -94,6 +95,19 @@ def _object_problems(vertices: np.ndarray) -> list:
             f'{key}: got no corner at vertex {_list(flat)} (degenerate); allowed: a turn at every vertex'
         ]
     return []
+
+
+def _size_problems(table: ScenarioTable) -> list:
+    """An object larger than the open hand is one whose lengths are in another unit."""
+    vertices, left, right = np.array(table.object.vertices), table.hand.left, table.hand.right
+    size = float(np.linalg.norm(vertices[:, None] - vertices[None], axis=-1).max())
+    span = float(np.hypot(*np.subtract(left.axis, right.axis)) + left.length + right.length)
+    if size <= span:
+        return []
+    return [
+        f'object.vertices: got an object {size:.3g} m across; allowed: at most {span:.3g} m, the span of the open hand '
+        '(are the vertices in metres?)'
+    ]
 
 
 def _finger_problems(key: str, finger) -> list:

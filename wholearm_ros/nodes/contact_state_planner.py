@@ -16,7 +16,8 @@ from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.scenario import GoalAtPose, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.warm import warm
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
@@ -145,7 +146,7 @@ class ContactStatePlanner(WholeArmNode):
     def plan(self, scenario, request, done):
         """Of the thread: `done` becomes an Offer or an exception."""
         try:
-            done.set_result(offer(scenario, request))
+            done.set_result(plan_and_verify(scenario, request))
         except Exception as error:
             done.set_result(error)
         self.executor.wake()  # it looks at who awaits only when something else happens
@@ -172,9 +173,9 @@ class ContactStatePlanner(WholeArmNode):
         )
         return found, plan.summary(), plan if found else None
 
-    def request(self) -> Request:
+    def request(self) -> PlanRequest:
         p = self.parameters
-        return Request(
+        return PlanRequest(
             search=p.search, seed=p.seed, transition=p.transition, time_budget=p.time_budget
         )
 

@@ -7,7 +7,8 @@ import time
 def warm() -> float:
     """Plans, generates and simulates a small task; returns the seconds it took. Quick when the compiled code is on disk."""
     from wholearm_ros.model.scenario_file import parse_scenario
-    from wholearm_ros.planner.planner import Request, offer
+    from wholearm_ros.planner.planner import plan_and_verify
+    from wholearm_ros.planner.request import PlanRequest
 
     began = time.monotonic()
     finger = {
@@ -30,7 +31,9 @@ def warm() -> float:
         'goal': {'edge': 3, 'direction': 'ccw'},
     }
     for search, moves in (('random', 0), ('best', 1)):
-        offer(parse_scenario(square), Request(search=search, copies=1, candidates=2, moves=moves))
+        plan_and_verify(
+            parse_scenario(square), PlanRequest(search=search, samples=1, candidates=2, moves=moves)
+        )
     return time.monotonic() - began
 
 

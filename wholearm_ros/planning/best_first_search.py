@@ -9,12 +9,14 @@ cheapest route among the arcs at least as wide as W, tracing what the first left
 import heapq
 from dataclasses import dataclass, field
 from itertools import count
+from typing import Callable
 
 import numpy as np
 
 from wholearm_ros.mechanics.contacts import four_contact_subsets
-from wholearm_ros.model.plan import EXHAUSTED, FOUND, LIMIT_REACHED
-from wholearm_ros.planning.new_subgoal import REACHED, WIDE_ENOUGH, new_subgoal, tangent
+from wholearm_ros.model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, TIME_SPENT
+from wholearm_ros.planning.arc import tangent
+from wholearm_ros.planning.new_subgoal import REACHED, WIDE_ENOUGH, new_subgoal
 from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.planning.subgoal_network import SubgoalNetwork
 
@@ -36,10 +38,14 @@ class Edge:
 
 @dataclass(eq=False)
 class ArcGraph:
-    """The graph of a task, its edges traced when they are first asked for, and kept."""
+    """The graph of a problem, its edges traced when they are first asked for, and kept.
+
+    limit: of expansions; stop: whether to give up, asked before each node.
+    """
 
     task: PlanningProblem
     limit: int
+    stop: Callable[[], bool] = lambda: False
     network: SubgoalNetwork = None
     traced: int = 0
     edges: dict = field(default_factory=dict)
@@ -95,8 +101,8 @@ def best_route(graph: ArcGraph, without: frozenset = frozenset()):
     outcome, margin = _widest(graph, without)
     if outcome != FOUND:
         return outcome, (), -np.inf, np.inf
-    edges, cost = _cheapest(graph, without, margin)
-    return FOUND, edges, margin, cost
+    outcome, edges, cost = _cheapest(graph, without, margin)
+    return outcome, edges, margin, cost
 
 
 def _widest(graph, without):
@@ -111,6 +117,8 @@ def _widest(graph, without):
         done.add(k)
         if graph.traced > graph.limit:
             return LIMIT_REACHED, -np.inf
+        if graph.stop():
+            return TIME_SPENT, -np.inf
         for edge in _usable(graph, k, without):
             heapq.heappush(queue, (max(width, -edge.margin), next(order), edge.end))
     return EXHAUSTED, -np.inf
@@ -122,9 +130,11 @@ def _cheapest(graph, without, margin):
     while queue:
         cost, _, k, trail = heapq.heappop(queue)
         if k is None:
-            return _unwind(trail), cost
+            return FOUND, _unwind(trail), cost
         if k in done:
             continue
+        if graph.stop():
+            return TIME_SPENT, (), np.inf
         done.add(k)
         for edge in _usable(graph, k, without):
             if edge.margin >= margin:

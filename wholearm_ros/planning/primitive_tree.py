@@ -22,7 +22,7 @@ from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import X_END, X_GOAL, X_INIT, Leg, Subgoal, Y
 from wholearm_ros.model.trajectory import CAGING, DYNAMIC
-from wholearm_ros.planning.new_subgoal import lowering
+from wholearm_ros.planning.caging_descent import caging_descent
 from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.rollout.parallel import parallel_map
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples, follow_setpoints
@@ -36,9 +36,11 @@ THROW_TORQUES = (0.2, 1.0, 3.5)  # [N m]
 THROW_SPEED, THROW_SLEW = 5.0, 50.0  # [rad/s], [N m/s]
 THROW_WITHIN = 0.8  # [rad] of where the object may be let go
 PARTICLES = 3  # perturbed copies besides the nominal one
-SPREAD = np.array([0.008, 0.008, 0.08])  # [m, m, rad] by which copies may differ from the plan
-STILL = 0.05  # [rad/s], [0.1 m/s] of a copy at rest
-CELL = np.array([0.01, 0.01, 0.06, 0.12, 0.12])  # [m, rad] states in the same cell are one
+SPREAD = 0.08  # in scaled coordinates, by which samples may differ from the plan
+STILL = 0.05  # [1/s] in scaled coordinates, of a sample at rest
+CELL = np.array(
+    [0.1, 0.1, 0.06, 0.12, 0.12]
+)  # in scaled coordinates; states in the same cell are one
 DEPTH_COST = 0.06  # [rad] of a move, against the rotation that is left
 TOUCHING = 2e-4  # [m] gap of a closed pair after a simulation
 SAMPLE_EVERY = 10  # of a move's records, kept in its leg
@@ -80,18 +82,23 @@ class PrimitiveTree:
         self._queue, self._order, self._seen, self.simulated = [], 0, {self._cell(task.start)}, 0
         self._sweep(0)
 
+    @property
+    def open(self) -> bool:
+        """Whether a stop is left to grow from."""
+        return bool(self._queue)
+
     def grow(self) -> int:
-        """Place of a new state, or None when the best open stop came to nothing. Raises IndexError when none is open."""
+        """Place of a new state, or None when the best of the open stops came to nothing."""
         _, _, parent, move = heapq.heappop(self._queue)
         before = self.states[parent]
         (record,) = self._simulate(before.rest, [move])
         if (
             not record.at_rest
             and move.settle < LONG_SETTLE
-            and not self._hopeless(record.configurations[-1])
+            and not self.task.hopeless(record.configurations[-1])
         ):
             (record,) = self._simulate(before.rest, [replace(move, settle=LONG_SETTLE)])
-        if not record.at_rest or self._hopeless(record.configurations[-1]):
+        if not record.at_rest or self.task.hopeless(record.configurations[-1]):
             return None
         cell = self._cell(record.configurations[-1])
         if cell in self._seen:
@@ -151,7 +158,7 @@ class PrimitiveTree:
         ]
         for sweep, record in zip(sweeps, self._simulate(state.rest, sweeps)):
             self._open_stops(k, state, sweep, record)
-        if self._left(state.rest.q) < THROW_WITHIN:
+        if self.task.caged_goal and self.task.rotation_left(state.rest.q) < THROW_WITHIN:
             self._open_throws(k, state)
 
     def _torques(self, q, side):
@@ -179,22 +186,22 @@ class PrimitiveTree:
         ]
         for throw, record in zip(throws, self._simulate(state.rest, throws)):
             q = record.configurations[-1]
-            if record.at_rest and self._left(q) < 0.0 and not self._hopeless(q):
+            if record.at_rest and self.task.rotation_left(q) < 0.0 and not self.task.hopeless(q):
                 self._open(k, state, q, throw)
 
     def _open(self, k, state, q, move):
         self._order += 1
-        cost = max(0.0, self._left(q)) + DEPTH_COST * (state.depth + 1)
+        cost = max(0.0, self.task.rotation_left(q)) + DEPTH_COST * (state.depth + 1)
         heapq.heappush(self._queue, (cost, self._order, k, move))
 
     def _open_stops(self, k, state, sweep, record):
         turned = np.abs(record.wanted - state.rest.q[3 + sweep.velocity_finger])
-        for stop in np.arange(STOP_EVERY, SWEEP + 1e-9, STOP_EVERY):
+        for stop in self._stops(turned, record):
             i = int(np.searchsorted(turned, stop - 1e-9))
             if i >= len(turned):
                 return
             q = record.configurations[i]
-            if abs(q[3 + sweep.velocity_finger] - record.wanted[i]) > 0.1 or self._hopeless(q):
+            if abs(q[3 + sweep.velocity_finger] - record.wanted[i]) > 0.1 or self.task.hopeless(q):
                 return
             if self._cell(q) not in self._seen:
                 self._open(
@@ -206,19 +213,13 @@ class PrimitiveTree:
                     ),
                 )
 
-    def _left(self, q):
-        """Rotation that is left until the object may be let go [rad]."""
-        return float(self.task.cage_intervals[-1, 0] - q[2])
-
-    def _hopeless(self, q):
-        limits = self.task.world.limits
-        return bool(
-            abs(q[0]) > 0.12
-            or q[1] > 0.16
-            or q[2] > self.task.goal_angle + 0.1
-            or (q[3:] < limits[:, 0]).any()
-            or (q[3:] > limits[:, 1]).any()
-        )
+    def _stops(self, turned, record):
+        """Turns [rad] of the finger after which to stop: every so far, and where the object is nearest to its goal."""
+        stops = np.arange(STOP_EVERY, SWEEP + 1e-9, STOP_EVERY)
+        if self.task.caged_goal:
+            return stops
+        away = [self.task.goal.distance(q[:3]) for q in record.configurations]
+        return np.sort(np.append(stops, turned[int(np.argmin(away))]))
 
     def _led(self, before, record):
         """The particles after the move, or None when they do not agree with the plan."""
@@ -240,9 +241,11 @@ class PrimitiveTree:
 
         for copy, run in zip(self._copies, parallel_map(lead, range(len(self._copies)))):
             self.simulated += 1
-            turn = copy.goal_angle - self._copies[0].goal_angle
+            turn = copy.goal.rotation - self._copies[0].goal.rotation
             difference = np.abs(run.q[:3] - record.configurations[-1, :3] - [0.0, 0.0, turn])
-            if (difference > SPREAD).any() or np.abs(run.v / self.task.world.scale).max() > STILL:
+            if (difference / self.task.world.scale[:3] > SPREAD).any() or np.abs(
+                run.v / self.task.world.scale
+            ).max() > STILL:
                 return None
             after.append((run.q, run.v))
         return tuple(after)
@@ -252,9 +255,8 @@ class PrimitiveTree:
         self.simulated += len(moves)
         return list(parallel_map(partial(simulate_primitive, self.task.world, rest), moves))
 
-    @staticmethod
-    def _cell(q):
-        return tuple(np.round(q / CELL).astype(int).tolist())
+    def _cell(self, q):
+        return tuple(np.round(q / (CELL * self.task.world.scale)).astype(int).tolist())
 
 
 def primitive_tree_search(
@@ -264,18 +266,15 @@ def primitive_tree_search(
 
     limit: of simulated moves in the whole tree; stop: whether to give up, asked now and then.
     """
-    while tree.simulated < limit and not stop():
-        try:
-            k = tree.grow()
-        except IndexError:
-            return None
+    while tree.open and tree.simulated < limit and not stop():
+        k = tree.grow()
         if k is None:
             continue
         q = tree.states[k].rest.q
         if task.reached(q[:3]):
             return tree.route_to(k)
         cage = task.cage_at(q[2])
-        down = lowering(task, q, cage) if cage is not None else None
+        down = caging_descent(task, q, cage) if cage is not None else None
         if down is not None and task.reached(down[-1, :3]):
             subgoals, legs = tree.route_to(k)
             names = tuple(map(pair_name, closed_pairs(task.world, down[-1])))

@@ -1,6 +1,7 @@
 """What a search works on: a scenario whose object turns counter-clockwise, as arrays, with its start, cages and goal."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,39 +9,78 @@ from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.caging import PAST_THE_TOP, Cage, cages_between
 from wholearm_ros.mechanics.contacts import closed_pairs, pose_on_palm, start_configuration
 from wholearm_ros.mechanics.world import World, build_world
+from wholearm_ros.model.goal import ANGLE_TOLERANCE, GoalRegion, Margin, goal_region
 from wholearm_ros.model.orientation import (
-    goal_rotation,
     palm_angle_under,
     palm_segment_under,
     start_rotation,
     start_x,
 )
-from wholearm_ros.model.scenario import GoalAtPose, Scenario
+from wholearm_ros.model.scenario import Scenario
 
-RESTING = 1e-4  # [rad] a rotation this near a landing lies on its edge
+FLAT = 1e-4  # [rad] a rotation this near that of an edge lies on it
+MARGIN_ON_EDGE = np.array(
+    [0.5, 0.0, 1.0 - FLAT / ANGLE_TOLERANCE]
+)  # of the tolerances that a plan leaves
+MARGIN_AT_POSE = 0.5
+TOO_FAR = 0.1  # [rad] past the goal's rotation
+
+
+class Reach(NamedTuple):
+    """Where a centroid is within reach [m]: not so near to an end of the palm that the object may tip over it, and not far
+    above the fingertips."""
+
+    left: float
+    right: float
+    top: float
 
 
 @dataclass(frozen=True, eq=False)
 class PlanningProblem:
-    """start: (5,) configuration; pairs: closed at the start; goal_angle [rad]; goal_x: (low, high) [m] of the centroid;
-    cages: in the order in which they are met; cage_intervals: (c, 2) rotations at which the object may be let go.
+    """start: (5,) configuration; pairs: closed at the start; goal: where it shall go, of whose
+    tolerances a plan leaves `margin`; cages: in the order in which they are met; cage_intervals: (c, 2) rotations at which the object may be let go.
     """
 
     scenario: Scenario
     world: World
     start: np.ndarray
     pairs: tuple
-    goal_angle: float
-    angle_tolerance: float
-    goal_x: tuple
+    goal: GoalRegion
+    margin: Margin
     cages: tuple
     cage_intervals: np.ndarray
+    reach: Reach
 
     def reached(self, pose: np.ndarray) -> bool:
         """Whether the object at `pose` (3,) is where X_goal wants it (NEW_SUBGOAL step 7)."""
-        return (
-            abs(pose[2] - self.goal_angle) <= self.angle_tolerance
-            and self.goal_x[0] <= pose[0] <= self.goal_x[1]
+        return self.goal.reached(pose, self.margin)
+
+    def distance(self, pose: np.ndarray) -> float:
+        """Largest error of `pose` (3,) as a share of the goal's tolerance; errors that round to the same are the same."""
+        return round(self.goal.distance(pose), 3)
+
+    def rotation_left(self, q: np.ndarray) -> float:
+        """Rotation [rad] until gravity alone turns the object on to the goal, negative past that; for a goal that no cage
+        leads to, all that is left of the way to it, in scaled coordinates."""
+        if self.caged_goal:
+            return float(self.cage_intervals[-1, 0] - q[2])
+        away = self.goal.error(q[:3]) / self.world.scale[:3]
+        return float(np.abs(away).sum())
+
+    @property
+    def caged_goal(self) -> bool:
+        """Whether the last cage lays the object down in the goal's rotation."""
+        return bool(self.cages) and self.cages[-1].landing >= self.goal.rotation - FLAT
+
+    def hopeless(self, q: np.ndarray) -> bool:
+        """Whether nothing good comes of q (5,): out of reach, turned too far, or a finger beyond its limits."""
+        limits = self.world.limits
+        return bool(
+            not self.reach.left <= q[0] <= self.reach.right
+            or q[1] > self.reach.top
+            or q[2] > self.goal.rotation + TOO_FAR
+            or (q[3:] < limits[:, 0]).any()
+            or (q[3:] > limits[:, 1]).any()
         )
 
     def cage_at(self, angle: float) -> Cage:
@@ -68,25 +108,18 @@ def build_problem(scenario: Scenario) -> PlanningProblem:
     """
     world = build_world(scenario)
     q = start_configuration(scenario, world)
-    goal = goal_rotation(scenario)
+    goal = goal_region(scenario)
     floor = palm_angle_under(scenario.palm, start_x(scenario))
-    cages = cages_between(scenario.object.polygon, start_rotation(scenario), goal, floor)
+    cages = cages_between(scenario.object.polygon, start_rotation(scenario), goal.rotation, floor)
     intervals = np.array([(c.top + PAST_THE_TOP, c.landing) for c in cages]).reshape(-1, 2)
-    low, high, tolerance = _goal_box(scenario)
+    margin = MARGIN_ON_EDGE if goal.on_palm else MARGIN_AT_POSE
     return PlanningProblem(
-        scenario, world, q, closed_pairs(world, q), goal, tolerance, (low, high), cages, intervals
+        scenario, world, q, closed_pairs(world, q), goal, margin, cages, intervals, _reach(world)
     )
 
 
-def _goal_box(scenario):
-    goal = scenario.goal
-    if isinstance(goal, GoalAtPose):
-        return (
-            goal.pose[0] - goal.tolerance[0],
-            goal.pose[0] + goal.tolerance[0],
-            float(goal.tolerance[2]),
-        )
-    if goal.x is None:
-        return -np.inf, np.inf, RESTING
-    tolerance = 0.005 if goal.x_tolerance is None else goal.x_tolerance
-    return goal.x - tolerance, goal.x + tolerance, RESTING
+def _reach(world: World) -> Reach:
+    """A fifth of a finger's length inside of the palm's ends, and as far above the tips of upright fingers."""
+    length, slack = world.fingers[:, 2].max(), 0.2 * world.fingers[:, 2].max()
+    top = world.fingers[:, 1].max() + length + slack
+    return Reach(float(world.palm[0, 0] + slack), float(world.palm[-1, 0] - slack), float(top))

@@ -8,7 +8,7 @@ import numpy as np
 from wholearm_ros.mechanics.mirror import mirror_plan
 from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.orientation import turns_clockwise
-from wholearm_ros.model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, ContactPlan
+from wholearm_ros.model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, TIME_SPENT, ContactPlan
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planning.best_first_search import ArcGraph, best_route
 from wholearm_ros.planning.main_random_search import main_random_search
@@ -16,6 +16,7 @@ from wholearm_ros.planning.primitive_tree import STYLES, PrimitiveTree, Style, p
 from wholearm_ros.planning.problem import build_problem
 
 BEST, RANDOM = 'best', 'random'
+Stop = Callable[[], bool]
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,12 @@ class SearchOptions:
     move_limit: int = 8000
 
 
-def make_routes(scenario: Scenario, options: SearchOptions):
+def make_routes(scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False) -> 'Routes':
     """The routes of a scenario: call `.next_plan(failed_leg)` for one after the other.
 
     Raises ScenarioError when the fingers cannot touch the object or the start penetrates the hand.
     """
-    return (BestRoutes if options.search == BEST else RandomRoutes)(scenario, options)
+    return (BestRoutes if options.search == BEST else RandomRoutes)(scenario, options, stop)
 
 
 def plan(scenario: Scenario, options: SearchOptions = SearchOptions()) -> ContactPlan:
@@ -42,11 +43,11 @@ def plan(scenario: Scenario, options: SearchOptions = SearchOptions()) -> Contac
     return make_routes(scenario, options).next_plan()
 
 
-class _Routes:
-    """What both kinds share: a clockwise scenario is searched as its mirror image."""
+class Routes:
+    """Route after route; a clockwise scenario is searched as its mirror image. stop: whether to give up."""
 
-    def __init__(self, scenario, options):
-        self.scenario, self.options = scenario, options
+    def __init__(self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False):
+        self.scenario, self.options, self.stop = scenario, options, stop
         self._mirrored = turns_clockwise(scenario)
         self.task = build_problem(scenario.mirrored() if self._mirrored else scenario)
 
@@ -79,12 +80,12 @@ class _Routes:
         return mirror_plan(found, self.scenario) if self._mirrored else found
 
 
-class BestRoutes(_Routes):
+class BestRoutes(Routes):
     """The best route first; each one that failed costs the graph the edge on which it failed."""
 
-    def __init__(self, scenario: Scenario, options: SearchOptions):
-        super().__init__(scenario, options)
-        self.graph = ArcGraph(self.task, options.limit)
+    def __init__(self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False):
+        super().__init__(scenario, options, stop)
+        self.graph = ArcGraph(self.task, options.limit, stop)
         self._without, self._edges = frozenset(), ()
 
     def next_plan(self, failed_leg: int = None) -> ContactPlan:
@@ -130,18 +131,18 @@ class BestRoutes(_Routes):
         raise IndexError('the last plan has fewer legs')
 
 
-class RandomRoutes(_Routes):
+class RandomRoutes(Routes):
     """The paper's search, with the right finger velocity-controlled, and with the left one when that finds none."""
 
-    def __init__(self, scenario: Scenario, options: SearchOptions):
-        super().__init__(scenario, options)
+    def __init__(self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False):
+        super().__init__(scenario, options, stop)
         self._rng = np.random.default_rng(options.seed)
 
     def next_plan(self, failed_leg: int = None) -> ContactPlan:
         """Another random route; which leg failed makes no difference."""
         for finger in (RIGHT, LEFT):
             outcome, network, goal, iterations = main_random_search(
-                self.task, self._rng, self.options.limit, finger
+                self.task, self._rng, self.options.limit, finger, self.stop
             )
             if outcome == FOUND:
                 break
@@ -161,29 +162,26 @@ class RandomRoutes(_Routes):
         )
 
 
-class PrimitiveRoutes(_Routes):
+class PrimitiveRoutes(Routes):
     """Routes of dynamic moves, each one another way through the tree of states at rest."""
 
     def __init__(
         self,
         scenario: Scenario,
         options: SearchOptions,
+        stop: Stop = lambda: False,
         style: Style = STYLES[0],
-        stop: Callable[[], bool] = lambda: False,
     ):
-        super().__init__(scenario, options)
-        self._stop = stop
+        super().__init__(scenario, options, stop)
         self._tree = PrimitiveTree(self.task, options.seed, style)
 
     def next_plan(self, failed_leg: int = None) -> ContactPlan:
         """The next route the tree grows into; which leg of the last one failed makes no difference."""
-        route = primitive_tree_search(self.task, self._tree, self.options.move_limit, self._stop)
+        route = primitive_tree_search(self.task, self._tree, self.options.move_limit, self.stop)
         counts = {'states_at_rest': len(self._tree.states), 'moves_simulated': self._tree.simulated}
         if route is None:
-            spent = self._tree.simulated >= self.options.move_limit or self._stop()
             return self._document(
-                LIMIT_REACHED if spent else EXHAUSTED,
-                'no sequence of dynamic moves was found',
+                *self._why_none(),
                 counts,
             )
         subgoals, legs = route
@@ -199,8 +197,19 @@ class PrimitiveRoutes(_Routes):
             cost,
         )
 
+    def _why_none(self) -> tuple[str, str]:
+        """(outcome, reason) of a search that ended without a route."""
+        none = 'no sequence of dynamic primitives was found'
+        if self._tree.simulated >= self.options.move_limit:
+            return LIMIT_REACHED, f'{none} in {self._tree.simulated} simulated ones'
+        if self._tree.open:
+            return TIME_SPENT, f'{none} before the time was spent'
+        return EXHAUSTED, f'{none}, and no state at rest is left to go on from'
+
 
 def _why(outcome, without):
+    if outcome == TIME_SPENT:
+        return 'the time was spent before the search found a route'
     if outcome != EXHAUSTED:
         return 'the limit of expansions was reached before a route was found'
     if without:

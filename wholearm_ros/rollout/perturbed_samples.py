@@ -1,4 +1,4 @@
-"""Perturbed copies of a task, and what they do under the closed loop: forward dynamics with PD and open-loop torque."""
+"""Perturbed samples of a task, and what they do under the closed loop: forward dynamics with PD and open-loop torque."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 from wholearm_ros.control.setpoints import PdGains
 from wholearm_ros.kernels import time_stepping
 from wholearm_ros.mechanics.world import World, build_world
-from wholearm_ros.model.orientation import goal_rotation
+from wholearm_ros.model.goal import GoalRegion, goal_region
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.rollout.initial_state import perturbed_start
@@ -18,11 +18,11 @@ RECORD_EVERY = 0.02  # [s]
 
 @dataclass(frozen=True, eq=False)
 class PerturbedSample:
-    """The hand and object as they might truly be: its arrays, start (5,), goal rotation [rad] and actuation."""
+    """The hand and object as they might truly be: its arrays, start (5,), goal and actuation."""
 
     world: World
     start: np.ndarray
-    goal_angle: float
+    goal: GoalRegion
     perturbation: Perturbation
 
 
@@ -38,22 +38,22 @@ class Run:
 
 
 def build_perturbed_samples(scenario: Scenario, count: int, level: float, seed: int) -> tuple:
-    """The scenario as told, and `count` perturbed copies of it at `level` (see Perturbation), always the same."""
+    """The nominal sample, and `count` perturbed ones at `level` (see Perturbation), always the same for a seed."""
     rng = np.random.default_rng(seed)
     drawn = (NOMINAL, *(draw_perturbation(rng, level, scenario) for _ in range(count)))
-    return tuple(_copy(scenario, p) for p in drawn)
+    return tuple(_sample(scenario, p) for p in drawn)
 
 
-def _copy(scenario, perturbation):
+def _sample(scenario, perturbation):
     truth = perturbation.applied(scenario)
     world = build_world(truth)
     return PerturbedSample(
-        world, perturbed_start(scenario, truth, world), goal_rotation(truth), perturbation
+        world, perturbed_start(scenario, truth, world), goal_region(truth), perturbation
     )
 
 
 def follow_setpoints(
-    copy: PerturbedSample,
+    sample: PerturbedSample,
     q: np.ndarray,
     v: np.ndarray,
     period: float,
@@ -64,11 +64,11 @@ def follow_setpoints(
     gains: PdGains,
     settle: float = 0.0,
 ) -> Run:
-    """What a copy does from q, v (5,) when led along angles, velocities, efforts (m, 2), given every `period` [s].
+    """What a sample does from q, v (5,) when its fingers track angles, velocities, efforts (m, 2), given every `period` [s].
 
     velocity_fingers: (m,) the velocity-controlled finger from each sample on; settle [s]: of holding the last one.
     """
-    w, p = copy.world, copy.perturbation
+    w, p = sample.world, sample.perturbation
     size = int((period * (len(angles) - 1) + settle) / RECORD_EVERY) + 4
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     qs, vs = np.empty((size, 5)), np.empty((size, 5))

@@ -20,7 +20,7 @@ STIFF = (
     6.0,
 )  # PD gains of the velocity finger while its torque is being found [N m/rad, N m s/rad]
 SHORTEST_RAMP = 0.04  # [s]
-REST_SPEED = 0.01  # [rad/s], [0.1 m/s] of anything at rest
+REST_SPEED = 0.01  # [1/s] in scaled coordinates, of anything at rest
 PEAK_SPEED = 15.0 / 8.0
 
 
@@ -103,6 +103,8 @@ def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> Prim
         efforts,
         wanted,
     )
+    if count == 0:  # it left the hand at once
+        qs[0], vs[0], efforts[0], wanted[0], count = q, v, start.efforts, start.q[3 + side], 1
     whole = count == total // every
     at_rest = whole and bool(np.abs(v / world.scale).max() < REST_SPEED)
     return PrimitiveRecord(

@@ -1,26 +1,25 @@
-"""Verification: a candidate trajectory run through our own forward dynamics, as told and in perturbed copies."""
+"""Verification: a candidate trajectory run through our own forward dynamics, on the nominal and on perturbed samples."""
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Iterator
+from typing import Iterator, Sequence
 
 import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.model.scenario import GoalAtPose, Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.parallel import parallel_map
-from wholearm_ros.rollout.perturbed_samples import PerturbedSample, follow_setpoints
+from wholearm_ros.rollout.perturbed_samples import PerturbedSample, Run, follow_setpoints
 
 SETTLE = 0.3  # [s] of holding after the trajectory's end
-ANGLE_TOLERANCE = 0.02  # [rad] from the goal's rotation; less than a run is allowed
+MARGIN = 1.0 / 3.0  # of the goal's tolerances that a simulated run must leave
 MOST_BEYOND = 0.15  # [rad] past the goal on the way: an object that comes down faster may go on to the next edge
 REST_SPEED = 0.005  # [m/s] of the centroid at the end
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
-    """One copy's run: times (r,) [s], configurations (r, 5), whether the object rests at its goal, and why not."""
+class Rollout:
+    """One sample's run: times (r,) [s], configurations (r, 5), whether the object rests at its goal, and why not."""
 
     times: np.ndarray
     configurations: np.ndarray
@@ -31,69 +30,69 @@ class Trial:
 
 @dataclass(frozen=True)
 class Verification:
-    """The first trial is of the copy that is as told, the others are perturbed; `asked` were to be run, and trials that
-    were not run, as the candidate had failed already, count as failed."""
+    """The first rollout is the nominal one, the others are perturbed; `asked` were to be run, and rollouts that were not
+    run, as the candidate had failed already, count as failed."""
 
-    trials: tuple
+    rollouts: tuple[Rollout, ...]
     asked: int
 
     @property
-    def survived(self) -> float:
-        """Share of the trials that end at the goal."""
-        return sum(t.success for t in self.trials) / self.asked
+    def success_rate(self) -> float:
+        """Share of the rollouts that end at the goal."""
+        return sum(r.success for r in self.rollouts) / self.asked
 
     @property
-    def nominal(self) -> Trial:
-        return self.trials[0]
+    def nominal(self) -> Rollout:
+        return self.rollouts[0]
 
-    def reasons(self) -> list:
-        """Why trials failed."""
-        return [t.reason for t in self.trials if t.reason]
+    def reasons(self) -> list[str]:
+        """Why rollouts failed."""
+        return [r.reason for r in self.rollouts if r.reason]
 
     def to_dict(self) -> dict:
         return {
             'copies': self.asked,
-            'survived': sum(t.success for t in self.trials),
+            'survived': sum(r.success for r in self.rollouts),
             'reasons': self.reasons(),
-            'lcp_residual': max(t.residual for t in self.trials),
+            'lcp_residual': max(r.residual for r in self.rollouts),
         }
 
 
 def verify(
     trajectory: ManipulationTrajectory,
-    scenario: Scenario,
-    copies: tuple,
+    samples: Sequence[PerturbedSample],
     controls: ControlOptions = ControlOptions(),
 ) -> Verification:
-    """Run every copy."""
-    return Verification(tuple(run_trials(trajectory, scenario, copies, controls)), len(copies))
+    """Roll the trajectory out on every sample, the nominal one first."""
+    return Verification(tuple(rollouts(trajectory, samples, controls)), len(samples))
 
 
-def run_trials(
-    trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple, controls: ControlOptions
-) -> Iterator[Trial]:
-    """The trials in the order of their copies, the first one alone: most candidates fail it."""
-    yield from run_trials_at_once(trajectory, scenario, copies[:1], controls)
-    yield from run_trials_at_once(trajectory, scenario, copies[1:], controls)
-
-
-def run_trials_at_once(
-    trajectory: ManipulationTrajectory, scenario: Scenario, copies: tuple, controls: ControlOptions
-) -> Iterator[Trial]:
-    """The trials in the order of their copies, as many at once as there are processors."""
-    return parallel_map(partial(run_trial, trajectory, scenario, controls=controls), copies)
-
-
-def run_trial(
+def rollouts(
     trajectory: ManipulationTrajectory,
-    scenario: Scenario,
-    copy: PerturbedSample,
+    samples: Sequence[PerturbedSample],
     controls: ControlOptions,
-) -> Trial:
-    """One copy under the closed loop of control/, simulated by the LCP time stepping."""
+) -> Iterator[Rollout]:
+    """In the order of the samples, the first one alone: most candidates fail it."""
+    yield from parallel_rollouts(trajectory, samples[:1], controls)
+    yield from parallel_rollouts(trajectory, samples[1:], controls)
+
+
+def parallel_rollouts(
+    trajectory: ManipulationTrajectory,
+    samples: Sequence[PerturbedSample],
+    controls: ControlOptions,
+) -> Iterator[Rollout]:
+    """In the order of the samples, as many at once as there are processors."""
+    return parallel_map(partial(roll_out, trajectory, controls=controls), samples)
+
+
+def roll_out(
+    trajectory: ManipulationTrajectory, sample: PerturbedSample, controls: ControlOptions
+) -> Rollout:
+    """One sample under the closed loop of control/, simulated by the LCP time stepping."""
     run = follow_setpoints(
-        copy,
-        copy.start,
+        sample,
+        sample.start,
         np.zeros(5),
         trajectory.period,
         trajectory.angles,
@@ -103,8 +102,8 @@ def run_trial(
         controls.gains,
         SETTLE,
     )
-    reason = _missing(scenario, copy, run)
-    return Trial(run.times, run.configurations, not reason, reason, run.residual)
+    reason = _missing(sample, run)
+    return Rollout(run.times, run.configurations, not reason, reason, run.residual)
 
 
 def velocity_fingers(trajectory: ManipulationTrajectory) -> np.ndarray:
@@ -115,21 +114,14 @@ def velocity_fingers(trajectory: ManipulationTrajectory) -> np.ndarray:
     return sides[np.minimum(place, len(sides) - 1)]
 
 
-def _missing(scenario, copy, run):
-    q, v = run.q, run.v
-    error = q[2] - copy.goal_angle
-    if abs(error) > ANGLE_TOLERANCE:
-        return f'rotation is off by {error:+.3f} rad'
-    turn = np.sign(copy.goal_angle - copy.start[2])
-    beyond = (turn * (run.configurations[:, 2] - copy.goal_angle)).max()
+def _missing(sample: PerturbedSample, run: Run) -> str:
+    """Why a run does not count as one that reached the goal, '' when it does."""
+    missing = sample.goal.missing(run.q[:3], MARGIN)
+    if missing:
+        return missing[0]
+    turn = np.sign(sample.goal.rotation - sample.start[2])
+    beyond = (turn * (run.configurations[:, 2] - sample.goal.rotation)).max()
     if beyond > MOST_BEYOND:
         return f'it turned {beyond:.3f} rad past its goal on the way'
-    if np.hypot(v[0], v[1]) > REST_SPEED:
-        return f'the object still moves at {np.hypot(v[0], v[1]):.3f} m/s'
-    goal = scenario.goal
-    x = goal.pose[0] if isinstance(goal, GoalAtPose) else goal.x
-    if x is not None:
-        allowed = goal.tolerance[0] if isinstance(goal, GoalAtPose) else goal.x_tolerance or 0.01
-        if abs(q[0] - x) > allowed:
-            return f'x is off by {q[0] - x:+.4f} m'
-    return ''
+    speed = np.hypot(run.v[0], run.v[1])
+    return f'the object still moves at {speed:.3f} m/s' if speed > REST_SPEED else ''

@@ -13,7 +13,8 @@ from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.perturbation import draw_perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import parse_scenario
-from wholearm_ros.planner.planner import Request, offer
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.simulation.closed_loop import RunRecord, run
 from wholearm_ros.simulation.outcome import outcome
 from wholearm_ros.suite.suite_file import SuiteEntry
@@ -33,9 +34,9 @@ class SuiteOptions:
     draws: int = 1
     search: str = 'best'
     transition: str = 'auto'
-    candidates: int = Request.candidates
-    moves: int = Request.moves
-    time_budget: float = Request.time_budget
+    candidates: int = PlanRequest.candidates
+    moves: int = PlanRequest.moves
+    time_budget: float = PlanRequest.time_budget
     backend: str = 'pybullet'
     rate: float = 1000.0
     controls: ControlOptions = field(default_factory=ControlOptions)
@@ -123,9 +124,9 @@ def summarize(results: list) -> dict:
 
 def _planned_and_executed(task: SuiteEntry, options: SuiteOptions) -> dict:
     scenario = parse_scenario(task.scenario, task.name)
-    answer = offer(
+    answer = plan_and_verify(
         scenario,
-        Request(
+        PlanRequest(
             search=options.search,
             seed=options.seed,
             transition=options.transition,

@@ -15,7 +15,7 @@ def quintic(u: np.ndarray) -> tuple:
 def stroke_duration(distance: float, fastest: float, speed: float, acceleration: float) -> float:
     """Least duration [s] of a stroke of the velocity finger over `distance` [rad].
 
-    fastest: how many times as fast as it the fastest other coordinate moves (object lengths in units of 0.1 m);
+    fastest: how many times as fast as it the fastest other coordinate moves (all in scaled coordinates);
     speed, acceleration: limits [rad/s, rad/s²] for all of them.
     """
     d = abs(distance) * max(1.0, fastest)

@@ -1,0 +1,97 @@
+"""The region of poses that count as the goal of a scenario: the one judge of whether an object has arrived."""
+
+from dataclasses import dataclass
+from typing import Union
+
+import numpy as np
+
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.hand import Palm
+from wholearm_ros.model.orientation import goal_rotation, palm_segment_under
+from wholearm_ros.model.polygon import support
+from wholearm_ros.model.scenario import GoalAtPose, Scenario
+
+ANGLE_TOLERANCE = 0.03  # [rad] of an object that shall lie on an edge
+X_TOLERANCE = 0.01  # [m] of a goal's x that comes without a tolerance of its own
+HEIGHT_TOLERANCE = 0.0015  # [m] between the palm and an object that shall lie on it
+
+Margin = Union[float, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class GoalRegion:
+    """Target pose of the object and how far it may be from it, coordinate by coordinate.
+
+    target: (3,) centroid x, y [m] and rotation [rad], NaN where the goal does not name the coordinate; tolerance: (3,)
+    of the same units; on_palm: the object shall lie on the palm, and `error` gives its height above it in place of y.
+    vertices: (n, 2) [m] of the object about its centroid. Both of the true object, where it is known.
+
+    Whoever plans asks for a `margin`: the share of every tolerance, or of each (3,), that must be left.
+    """
+
+    target: np.ndarray
+    tolerance: np.ndarray
+    on_palm: bool
+    vertices: np.ndarray
+    palm: Palm
+
+    @property
+    def rotation(self) -> float:
+        """[rad] at the goal; every goal names it."""
+        return float(self.target[2])
+
+    def height(self, pose: np.ndarray) -> float:
+        """Distance [m] of the object's lowest vertex at `pose` (3,) from the palm's segment under its centroid."""
+        k = palm_segment_under(self.palm, pose[0])
+        start, end = self.palm.vertices[k : k + 2]
+        dx, dy = end - start
+        normal = np.array([-dy, dx]) / np.hypot(dx, dy)
+        below = support(self.vertices, pose[2], normal)
+        return float(normal @ (pose[:2] - start) + below)
+
+    def error(self, pose: np.ndarray) -> np.ndarray:
+        """(3,) x, y (or height above the palm) [m] and rotation [rad] of `pose` (3,) from the goal; 0 where none is named."""
+        error = np.where(np.isnan(self.target), 0.0, pose - self.target)
+        if self.on_palm:
+            error[1] = self.height(pose)
+        return error
+
+    def missing(self, pose: np.ndarray, margin: Margin = 0.0) -> list[str]:
+        """What of `pose` (3,) is not at the goal, in words, rotation first; empty when it is."""
+        allowed = (1.0 - np.asarray(margin)) * self.tolerance
+        error, words = self.error(pose), []
+        for k in np.flatnonzero(np.abs(error) > allowed)[::-1]:
+            if k == 1 and self.on_palm:
+                words.append(
+                    f'the object is {1e3 * error[1]:.2f} mm above the palm; allowed: {1e3 * allowed[1]:.3g}'
+                )
+            else:
+                name, unit = ('x', 'y', 'rotation')[k], ('m', 'm', 'rad')[k]
+                words.append(f'{name} is off by {error[k]:+.4f} {unit}; allowed: {allowed[k]:.3g}')
+        return words
+
+    def reached(self, pose: np.ndarray, margin: Margin = 0.0) -> bool:
+        """Whether `pose` (3,) is inside of the region, by that margin."""
+        allowed = (1.0 - np.asarray(margin)) * self.tolerance
+        return bool((np.abs(self.error(pose)) <= allowed).all())
+
+    def distance(self, pose: np.ndarray) -> float:
+        """Largest error of `pose` (3,) as a share of its tolerance."""
+        return float(np.abs(self.error(pose) / self.tolerance).max())
+
+
+def goal_region(scenario: Scenario) -> GoalRegion:
+    """The region that the goal of `scenario` stands for, for its own object: of the true one, where that is given."""
+    goal, polygon, palm = scenario.goal, scenario.object.polygon, scenario.palm
+    if isinstance(goal, GoalAtPose):
+        target, tolerance, on_palm = goal.pose, goal.tolerance, False
+    else:
+        x = np.nan if goal.x is None else goal.x
+        x_tolerance = X_TOLERANCE if goal.x_tolerance is None else goal.x_tolerance
+        target = np.array([x, np.nan, goal_rotation(scenario)])
+        tolerance, on_palm = np.array([x_tolerance, HEIGHT_TOLERANCE, ANGLE_TOLERANCE]), True
+    fixed = np.array(target, float)
+    fixed.setflags(write=False)
+    return GoalRegion(
+        fixed, readonly(tolerance, (3,)), on_palm, polygon.vertices_about_centroid, palm
+    )

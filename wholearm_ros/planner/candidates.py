@@ -1,0 +1,89 @@
+"""Candidates: the routes of a task, and the ways in which each may be executed."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Callable, Iterator
+
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import DWELL, DYNAMIC
+from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planning.primitive_tree import STYLES
+from wholearm_ros.planning.routes import PrimitiveRoutes, Routes, SearchOptions, make_routes
+from wholearm_ros.trajectory.execution_options import AUTO, FRONT, REAR, ExecutionOptions
+
+# velocity finger and torque [N m] in caging, the most promising first
+CAGING_EXECUTIONS = ((FRONT, 0.1), (REAR, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))
+# extra torque [N m] and its lead [s], likewise
+DYNAMIC_TRANSITIONS = (
+    (0.3, 0.08),
+    (0.7, 0.08),
+    (2.0, 0.08),
+    (0.3, 0.04),
+    (0.7, 0.04),
+    (2.0, 0.04),
+    (0.3, 0.14),
+    (2.0, 0.14),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class RouteSource:
+    """Where routes come from: `open()` begins the search; executions: the ways to try each route in."""
+
+    open: Callable[[], Routes]
+    executions: tuple[ExecutionOptions, ...]
+
+
+def route_sources(
+    scenario: Scenario, request: PlanRequest, stop: Callable[[], bool]
+) -> Iterator[RouteSource]:
+    """Arcs first; then dynamic primitives, in one style of sweeps after the other. stop: whether to give up."""
+    options = SearchOptions(request.search, request.seed, request.limit, request.moves)
+    yield RouteSource(partial(make_routes, scenario, options, stop), arc_executions(request))
+    for style in STYLES if request.moves else ():
+        yield RouteSource(
+            partial(PrimitiveRoutes, scenario, options, style=style, stop=stop),
+            primitive_executions(),
+        )
+
+
+def arc_executions(request: PlanRequest) -> tuple[ExecutionOptions, ...]:
+    """Ways to execute a route of arcs; a dynamic transition needs one velocity finger on both its sides.
+
+    Where all of these fail another route does better than another way: of 21 offered plans that were looked at none had the
+    front finger velocity-controlled throughout, or a dynamic transition."""
+    if request.transition == DYNAMIC:
+        transitions, margins, fingers = transition_options(DYNAMIC), (0.5, 3.5), (FRONT, REAR, AUTO)
+    else:
+        transitions, margins, fingers = transition_options(DWELL), (0.5,), (AUTO, REAR)
+    return tuple(
+        replace(
+            transition,
+            velocity_finger=finger,
+            caging_finger=caging_finger,
+            caging_torque=caging_torque,
+            torque_margin=margin,
+        )
+        for transition, margin, finger, (caging_finger, caging_torque) in product(
+            transitions, margins, fingers, CAGING_EXECUTIONS
+        )
+    )
+
+
+def transition_options(wanted: str) -> tuple[ExecutionOptions, ...]:
+    """What to do where the torque ranges part: stop (dwell), or start the extra torque early enough (dynamic)."""
+    dwell = (ExecutionOptions(transition=DWELL),)
+    dynamic = tuple(
+        ExecutionOptions(transition=DYNAMIC, extra_torque=extra, dynamic_lead=lead)
+        for extra, lead in DYNAMIC_TRANSITIONS
+    )
+    return {DWELL: dwell, DYNAMIC: dynamic, AUTO: (*dwell, *dynamic[:1])}[wanted]
+
+
+def primitive_executions() -> tuple[ExecutionOptions, ...]:
+    """Ways to execute a route of dynamic primitives: only its caging descent leaves a choice."""
+    return tuple(
+        ExecutionOptions(caging_finger=finger, caging_torque=torque)
+        for finger, torque in CAGING_EXECUTIONS
+    )

@@ -1,0 +1,139 @@
+"""Evaluation: success rates of candidates over perturbed rollouts, stopped early, and the best candidate so far."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Optional
+
+import numpy as np
+
+from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import CAGING, ManipulationTrajectory
+from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planner.stopwatch import GENERATE, VERIFY, Stopwatch
+from wholearm_ros.rollout.perturbed_samples import PerturbedSample, build_perturbed_samples
+from wholearm_ros.rollout.verification import Verification, rollouts
+from wholearm_ros.trajectory.execution_options import FRONT, ExecutionOptions
+from wholearm_ros.trajectory.main_trajectory import generate
+
+AWAY = 0.1  # [rad] from the planned rotation: a rollout that is further from it has left the plan
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A plan with one way to execute it, the trajectory made of it, and how that fared."""
+
+    plan: ContactPlan
+    trajectory: ManipulationTrajectory
+    verification: Verification
+
+    @property
+    def success_rate(self) -> float:
+        return self.verification.success_rate
+
+
+class Evaluation:
+    """Tries candidates until one is good enough. best: the best so far, or None; tried: how many there were."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        request: PlanRequest,
+        controls: ControlOptions,
+        watch: Stopwatch,
+    ):
+        self.scenario, self.request, self.controls, self.watch = scenario, request, controls, watch
+        self.best: Optional[Candidate] = None
+        self.tried = 0
+        self._last = np.inf  # number of the candidate after which nothing better is looked for
+        self._failures = np.zeros(request.samples + 1, int)  # by sample, of all candidates
+
+    @property
+    def success_rate(self) -> float:
+        """Of the best so far; −1 before there is one."""
+        return -1.0 if self.best is None else self.best.success_rate
+
+    @property
+    def done(self) -> bool:
+        """Whether the best is good enough, or was improved upon for long enough, or the time is spent."""
+        enough = max(self.request.early_stop_success, self.request.target_success)
+        return self.success_rate >= enough or self.tried >= self._last or self.watch.late()
+
+    def try_route(self, plan: ContactPlan, executions: tuple[ExecutionOptions, ...]) -> int:
+        """All ways to execute a route, until one is good enough; returns the place of the leg on which most of them failed."""
+        failed_legs: list[int] = []
+        hopeless: set[ExecutionOptions] = set()  # whatever is done while caging
+        first_caging = next(
+            (k for k, leg in enumerate(plan.legs) if leg.mode == CAGING), len(plan.legs)
+        )
+        for options in executions:
+            before_caging = replace(options, caging_finger=FRONT, caging_torque=0.0)
+            if before_caging in hopeless:
+                continue
+            candidate = self._try(plan.with_execution(options.to_dict()), options)
+            if candidate is None:
+                failed_legs.append(len(plan.legs) - 1)
+                continue
+            failed_legs.append(_failed_leg(candidate))
+            early = failed_legs[-1] < first_caging and not candidate.verification.nominal.success
+            if early or first_caging == len(plan.legs):
+                hopeless.add(before_caging)
+            if self.done:
+                break
+        return max(set(failed_legs), key=failed_legs.count)
+
+    def _try(self, plan: ContactPlan, options: ExecutionOptions) -> Optional[Candidate]:
+        """One candidate, kept when it is the best; None when no trajectory can be made of it."""
+        self.tried += 1
+        try:
+            with self.watch.stage(GENERATE):
+                trajectory = generate(self.scenario, plan, options)
+        except DocumentError:  # a primitive that does not end at rest when it is made again
+            return None
+        with self.watch.stage(VERIFY):
+            candidate = Candidate(plan, trajectory, self._verify(trajectory))
+        if candidate.success_rate > self.success_rate:
+            self.best = candidate
+            if candidate.success_rate >= self.request.target_success:
+                self._last = min(self._last, self.tried + self.request.improvement_budget)
+        return candidate
+
+    @cached_property
+    def samples(self) -> tuple[PerturbedSample, ...]:
+        """The nominal sample, then the perturbed ones."""
+        r = self.request
+        return build_perturbed_samples(self.scenario, r.samples, r.level, r.seed)
+
+    def _verify(self, trajectory: ManipulationTrajectory) -> Verification:
+        """On all samples, or on as many as it takes to see that the best so far is not beaten, or that this one cannot be
+        offered; the nominal one first, then those on which most candidates failed."""
+        order = [0, *(1 + np.argsort(-self._failures[1:], kind='stable'))]
+        done, asked = [], len(order)
+        for k, rollout in zip(
+            order, rollouts(trajectory, [self.samples[k] for k in order], self.controls)
+        ):
+            done.append(rollout)
+            self._failures[k] += not rollout.success
+            possible = (asked - sum(not r.success for r in done)) / asked
+            beaten = possible <= self.success_rate or possible < self.request.least_success
+            if beaten or not done[0].success:
+                break
+        return Verification(tuple(done), asked)
+
+
+def _failed_leg(candidate: Candidate) -> int:
+    """Place of the leg on which the first failed rollout left the plan; the last one when it kept to it to the end."""
+    legs, trajectory = candidate.plan.legs, candidate.trajectory
+    rollout = next((r for r in candidate.verification.rollouts if not r.success), None)
+    if rollout is None:
+        return len(legs) - 1
+    rows = (rollout.times / trajectory.period).astype(int)
+    planned = trajectory.poses[np.minimum(rows, len(trajectory.poses) - 1)]
+    away = np.abs(rollout.configurations[:, 2] - planned[:, 2]) > AWAY
+    if not away.any():
+        return len(legs) - 1
+    pose = planned[int(np.argmax(away))]
+    nearest = [np.abs(leg.configurations[:, :3] - pose).sum(axis=1).min() for leg in legs]
+    return int(np.argmin(nearest))

@@ -1,0 +1,161 @@
+"""An arc of configurations on which four contacts stay closed, with its statics."""
+
+from dataclasses import dataclass, replace
+from typing import Optional
+
+import numpy as np
+
+from wholearm_ros.kernels import arc_tracing
+from wholearm_ros.kernels.linear import null_vector
+from wholearm_ros.mechanics.contacts import contact_rows
+from wholearm_ros.mechanics.torque_range import ROBUST_FRICTION
+from wholearm_ros.model.trajectory import QUASI_STATIC
+from wholearm_ros.planning.problem import PlanningProblem
+
+EMPTY_WIDTH = (
+    -1.0
+)  # [N m] of a range that is empty somewhere; how empty says nothing near a singular configuration
+MOST_SAMPLES = 300  # configurations on one arc
+EVENTS = {
+    arc_tracing.CLOSED: 'contact',
+    arc_tracing.EDGE_END: 'end of edge',
+    arc_tracing.JOINT_LIMIT: 'joint limit',
+    arc_tracing.SINGULAR: 'singular',
+    arc_tracing.NO_EQUILIBRIUM: 'no equilibrium',
+    arc_tracing.CAGED: 'caged',
+    arc_tracing.BLOCKED: 'blocked',
+    arc_tracing.TOO_LONG: 'too long',
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """Configurations (m, 5) with the same four closed pairs, unit tangents (m, 5) and statics (m, 2, 4): for either
+    torque-controlled finger (τ_min, τ_max) without friction, and the part of that range which is friction-robust [N m]."""
+
+    mode: str
+    pairs: tuple[int, ...]
+    configurations: np.ndarray
+    tangents: np.ndarray
+    statics: np.ndarray
+    event: str
+
+    def robust_half_width(self) -> np.ndarray:
+        """(2,) [N m]: for either torque-controlled finger, the least half width of the robust range along the arc."""
+        if len(self.statics) == 0:
+            return np.full(2, -np.inf)
+        return np.maximum(
+            (0.5 * (self.statics[:, :, 3] - self.statics[:, :, 2])).min(axis=0), EMPTY_WIDTH
+        )
+
+    def length(self, scale: np.ndarray) -> float:
+        """Length in scaled coordinates [rad]."""
+        return float(np.linalg.norm(np.diff(self.configurations, axis=0) / scale, axis=1).sum())
+
+    def up_to(self, count: int, event: str) -> 'Arc':
+        """Its first `count` samples, and the event that ends it there."""
+        return replace(
+            self,
+            configurations=self.configurations[:count],
+            tangents=self.tangents[:count],
+            statics=self.statics[:count],
+            event=event,
+        )
+
+
+def tangent(problem: PlanningProblem, q: np.ndarray, pairs: tuple[int, ...]) -> np.ndarray:
+    """(5,) unit vector along which the pairs stay closed, its sign arbitrary."""
+    t = np.empty(5)
+    null_vector(contact_rows(problem.world, pairs, q)[0], problem.world.scale, t)
+    return t
+
+
+def trace(
+    problem: PlanningProblem,
+    q: np.ndarray,
+    pairs: tuple[int, ...],
+    toward: np.ndarray,
+    driver: int,
+) -> tuple[Arc, int, int]:
+    """The arc from q (5,) towards the side of `toward` (5,), the code of the event that ends it and that event's pair.
+
+    driver: the finger that must not have to reverse, LEFT or RIGHT, or −1 when either may."""
+    w = problem.world
+    qs, ts, st = (
+        np.empty((MOST_SAMPLES, 5)),
+        np.empty((MOST_SAMPLES, 5)),
+        np.empty((MOST_SAMPLES, 2, 4)),
+    )
+    count, event, which = arc_tracing.trace_arc(
+        *w.geometry,
+        w.corners,
+        w.scale,
+        w.limits,
+        w.load,
+        w.finger_moment,
+        w.torque_limits,
+        ROBUST_FRICTION,
+        problem.cage_intervals,
+        np.array(pairs, dtype=np.int64),
+        q,
+        toward,
+        driver,
+        qs,
+        ts,
+        st,
+    )
+    arc = Arc(
+        QUASI_STATIC, pairs, qs[:count].copy(), ts[:count].copy(), st[:count].copy(), EVENTS[event]
+    )
+    return arc, event, which
+
+
+def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Optional[Arc]:
+    """The arc cut where the object, once inside of the goal's region, is nearest to the goal; None when it never is inside."""
+    found = None  # (distance, sample before, share of the step to the next one)
+    for i in range(max(1, len(arc.configurations) - 1)):
+        u, distance = _nearest_on_step(problem, arc.configurations[i : i + 2, :3])
+        pose = _between(arc.configurations, i, u)[:3]
+        if problem.reached(pose) and (found is None or distance < found[0]):
+            found = distance, i, u
+        elif found is not None:
+            break
+    if found is None:
+        return None
+    _, i, u = found
+    if u in (0.0, 1.0):
+        return arc.up_to(max(i + 1 + int(u), min(2, len(arc.configurations))), 'goal')
+    q = _projected(problem, arc, i, u)
+    if q is None or not problem.reached(q[:3]):
+        return arc.up_to(i + 2, 'goal') if problem.reached(arc.configurations[i + 1, :3]) else None
+    cut = arc.up_to(i + 1, 'goal')
+    return replace(
+        cut,
+        configurations=np.vstack([cut.configurations, q]),
+        tangents=np.vstack([cut.tangents, _between(arc.tangents, i, u)]),
+        statics=np.concatenate([cut.statics, _between(arc.statics, i, u)[None]]),
+    )
+
+
+def _nearest_on_step(problem: PlanningProblem, poses: np.ndarray) -> tuple[float, float]:
+    """(share of the step between two poses (2, 3) at which it comes nearest to the goal, distance there)."""
+    first = problem.goal.error(poses[0]) / problem.goal.tolerance
+    if len(poses) < 2 or problem.reached(poses[0]) and problem.distance(poses[0]) == 0.0:
+        return 0.0, problem.distance(poses[0])
+    way = problem.goal.error(poses[1]) / problem.goal.tolerance - first
+    u = float(np.clip(-(first @ way) / max(way @ way, 1e-300), 0.0, 1.0))
+    return u, problem.distance((1.0 - u) * poses[0] + u * poses[1])
+
+
+def _between(rows: np.ndarray, i: int, u: float) -> np.ndarray:
+    """Row i and a share u of the way to the next one."""
+    return rows[i] if u == 0.0 else (1.0 - u) * rows[i] + u * rows[i + 1]
+
+
+def _projected(problem: PlanningProblem, arc: Arc, i: int, u: float) -> Optional[np.ndarray]:
+    """(5,) on the arc, a share u of the way from sample i to the next one; None when Newton fails."""
+    q, codes = _between(arc.configurations, i, u), np.array(arc.pairs, dtype=np.int64)
+    hold = _between(arc.tangents, i, u) / problem.world.scale**2
+    rows, gaps = np.empty((4, 5)), np.empty(4)
+    converged = arc_tracing.project(*problem.world.geometry, codes, q, hold, rows, gaps)
+    return q if converged else None

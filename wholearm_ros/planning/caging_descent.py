@@ -1,0 +1,62 @@
+"""Caging descents: where the object may be released on an arc, and how it comes down between the fingers (III-B.3)."""
+
+from typing import Iterator, Optional
+
+import numpy as np
+
+from wholearm_ros.kernels import geometry
+from wholearm_ros.mechanics.caging import Cage
+from wholearm_ros.mechanics.contacts import closed_pairs, pose_on_palm
+from wholearm_ros.model.orientation import palm_segment_under
+from wholearm_ros.model.trajectory import CAGING
+from wholearm_ros.planning.arc import Arc
+from wholearm_ros.planning.problem import PlanningProblem
+
+LARGEST_ROLL = 0.08  # [rad] between two samples of a descent
+
+
+def releases(problem: PlanningProblem, arc: Arc) -> Iterator[tuple[Arc, Arc]]:
+    """Check_Caging: (arc up to the release, descent) for the last place on the arc where the object may be released, the
+    middle one and the first."""
+    angles = arc.configurations[:, 2]
+    held = (arc.statics[:, :, 1] >= arc.statics[:, :, 0]).any(axis=1)
+    caged = [
+        i
+        for i, angle in enumerate(angles)
+        if held[i] and arc.tangents[i, 2] > 0.0 and problem.cage_at(angle) is not None
+    ]
+    if not caged or not any(
+        geometry.pair_body(c) == geometry.PALM and geometry.pair_kind(c) == geometry.VERTEX_EDGE
+        for c in arc.pairs
+    ):
+        return
+    for i in sorted({caged[0], caged[len(caged) // 2], caged[-1]}, reverse=True):
+        down = caging_descent(problem, arc.configurations[i], problem.cage_at(angles[i]))
+        if down is None or i == 0:
+            continue
+        pairs = closed_pairs(problem.world, down[-1])
+        descent = Arc(CAGING, pairs, down, np.empty((0, 5)), np.empty((0, 2, 4)), 'landed')
+        yield arc.up_to(i + 1, 'caged'), descent
+
+
+def caging_descent(problem: PlanningProblem, q: np.ndarray, cage: Cage) -> Optional[np.ndarray]:
+    """(m, 5): the centroid falls straight, the object rolls over its lowest vertices, each finger keeps closed on it.
+
+    None when somewhere on the way a finger has no room.
+    """
+    w = problem.world
+    landed = problem.landed(q, cage)
+    if landed is None:
+        return None
+    steps = max(2, int(np.ceil((cage.landing - q[2]) / LARGEST_ROLL)))
+    samples, segment = [q], palm_segment_under(problem.scenario.palm, q[0])
+    for angle in np.linspace(q[2], cage.landing, steps + 1)[1:-1]:
+        y = pose_on_palm(w, q[0], angle, segment)[1]
+        fingers = [
+            geometry.closing_angle(w.obj, w.fingers, w.limits, side, q[0], y, angle)
+            for side in range(2)
+        ]
+        if np.isnan(fingers).any():
+            return None
+        samples.append(np.array([q[0], y, angle, *fingers]))
+    return np.array([*samples, landed])
