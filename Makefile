@@ -4,6 +4,7 @@ SHELL := /bin/bash
 VENV := .venv
 PY := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
+PIP := $(PY) -m pip install -qq --disable-pip-version-check
 # The first of these that is there, works, and is of a version that the package supports.
 PYTHONS := $(PYTHON) python3.11 python3.10 python3.12 python3 /usr/bin/python3
 
@@ -26,7 +27,7 @@ bench: $(STAMP)
 # The same tree by colcon, as beside a sourced ROS 2; then imported from its install space.
 COLCON := colcon-core colcon-ros colcon-python-setup-py colcon-recursive-crawl colcon-output colcon-package-information
 colcon: $(STAMP)
-	@$(PY) -m pip install -qq --disable-pip-version-check 'setuptools>=65,<80' $(COLCON)
+	@$(PIP) 'setuptools>=65,<80' $(COLCON)
 	@$(PY) -m colcon --log-base build/colcon/log build --base-paths . --build-base build/colcon/build \
 	  --install-base build/colcon/install
 	@prefix=build/colcon/install/wholearm_ros; test -x $$prefix/lib/wholearm_ros/mode_switcher && \
@@ -47,13 +48,11 @@ $(STAMP): setup.py pyproject.toml
 	  "(allowed: 3.10 to 3.13; set one with make PYTHON=/path/to/python)" >&2; exit 2; fi; \
 	echo "setting up $(VENV) with $$("$$python" --version) (once, a few minutes)"; \
 	[ -x $(PY) ] || "$$python" -m venv $${ROS_DISTRO:+--system-site-packages} $(VENV)
-	@$(PY) -m pip install -qq --disable-pip-version-check -e '.[test]'
-	@$(PY) -c 'import pybullet' 2>/dev/null || { \
-	  echo "pybullet has no wheel for this Python: compiling it takes several minutes and needs g++ ..."; \
-	  ( while sleep 20; do echo "... still compiling pybullet"; done ) & waiting=$$!; \
-	  $(PY) -m pip install -qq --disable-pip-version-check -e '.[pybullet]' || \
-	    echo "pybullet could not be installed: what needs it is left out, use --backend planar"; \
-	  kill $$waiting; }
+	@# Where a ROS 2 is sourced, its own packages are used and the wheels of ROS stay out.
+	@$(PIP) -e ".[test,mujoco$$([ "$$ROS_DISTRO" ] || echo ,ros-wheels)]"
+	@# PyBullet has wheels up to Python 3.11; it is not compiled, MuJoCo takes its place.
+	@$(PIP) --only-binary pybullet -e '.[pybullet]' 2>/dev/null || \
+	  echo "pybullet has no wheel for this Python: MuJoCo is the default (to compile it: pip install pybullet)"
 	@# An editable install leaves the ament files out; links, so that an edited config counts at once.
 	@share=$(VENV)/share/wholearm_ros index=$(VENV)/share/ament_index/resource_index/packages; \
 	mkdir -p $$share $$index $(VENV)/lib; \

@@ -1,6 +1,5 @@
 """Build description, for pip and for colcon (ament_python) alike."""
 
-import os
 from glob import glob
 
 from setuptools import find_packages, setup
@@ -33,7 +32,12 @@ CORE = [
     'typer~=0.12',
     'rich>=13,<16',
 ]
-PYBULLET = 'pybullet~=3.2'  # a wheel up to Python 3.11; from 3.12 on pip compiles it, so there it is an extra
+# Physics for the stand-in of the hand, beside our own.
+PYBULLET = 'pybullet~=3.2'  # a wheel up to Python 3.11; from 3.12 on pip compiles it
+MUJOCO = [
+    'mujoco-core~=4.0; python_version >= "3.11"',  # numpy only; not for Python 3.10
+    'mujoco>=3.8,<4; python_version < "3.11"',
+]
 ROS_WHEELS = [
     'ros-jazzy-rclpy~=7.1',
     'ros-jazzy-common-interfaces~=5.3',
@@ -52,8 +56,6 @@ TEST = [
     'wheel>=0.40',  # the test of the wheel builds it without a network
     'selenium~=4.20',
 ]
-# Where a ROS 2 is sourced, its own packages are used and the wheels of ROS stay out.
-ros = [] if os.environ.get('ROS_DISTRO') else ROS_WHEELS
 
 setup(
     name=NAME,
@@ -68,9 +70,10 @@ setup(
         f'{NAME}.report.html': ['assets/*'],
         f'{NAME}.ros.interface': ['profiles/*.xml'],
     },
-    install_requires=[*CORE, f'{PYBULLET}; python_version < "3.12"', *ros],
+    install_requires=CORE,  # plans, simulates with our own physics, reports
     extras_require={
         'pybullet': [PYBULLET],
+        'mujoco': MUJOCO,
         'ros-wheels': ROS_WHEELS,
         'cluster': CLUSTER,
         'test': TEST,

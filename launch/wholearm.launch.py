@@ -17,13 +17,14 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 from launch import LaunchDescription
+from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
 
 ARGUMENTS = (
     ('scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'),
     ('namespace', 'wholearm', 'of every node'),
     ('pacing', 'realtime', 'realtime or lockstep'),
     ('rate', '1000.0', 'of the motors [Hz]'),
-    ('backend', 'pybullet', 'pybullet or planar'),
+    ('backend', DEFAULT_BACKEND, ', '.join(BACKENDS)),
     ('view', 'false', "PyBullet's window"),
     ('seed', '0', 'of everything drawn at random in planning'),
     ('search', 'best', 'best or random'),

@@ -32,7 +32,7 @@ def test_rooms_import_only_from_rooms_above_them():
     'module', ['planner.planner', 'trajectory.main_trajectory', 'suite.suite', 'cli.main']
 )
 def test_the_core_does_without_ros_and_pybullet(module):
-    ros = ['rclpy', 'std_msgs', 'sensor_msgs', 'rosbags', 'pybullet', 'launch']
+    ros = ['rclpy', 'std_msgs', 'sensor_msgs', 'rosbags', 'pybullet', 'mujoco', 'launch']
     code = BLOCKED.format(blocked=ros) + f'import wholearm_ros.{module}'
     done = subprocess.run(
         [sys.executable, '-c', code], cwd=ROOT, capture_output=True, text=True, timeout=100
@@ -40,16 +40,17 @@ def test_the_core_does_without_ros_and_pybullet(module):
     assert done.returncode == 0, done.stderr
 
 
-def test_pybullet_is_imported_in_one_file_only():
+@pytest.mark.parametrize('engine', ['pybullet', 'mujoco'])
+def test_a_physics_engine_is_imported_in_one_file_only(engine):
     found = [
         p
         for p in (ROOT / 'wholearm_ros').rglob('*.py')
         if any(
-            line.strip().startswith(('import pybullet', 'from pybullet '))
+            line.strip().startswith((f'import {engine}', f'from {engine} '))
             for line in p.read_text().splitlines()
         )
     ]
-    assert [p.name for p in found] == ['pybullet_hand.py']
+    assert [p.name for p in found] == [f'{engine}_hand.py']
 
 
 def test_no_controller_and_no_switcher_hears_the_truth():

@@ -61,7 +61,7 @@ def imported() -> dict:
 def test_what_is_imported_is_declared():
     """Not merely there because something else brought it; ROS packages may come with the wheels of ROS."""
     providers = metadata.packages_distributions()
-    direct = declared('pybullet', 'cluster')
+    direct = declared('pybullet', 'mujoco', 'ros-wheels', 'cluster')
     of_ros = with_dependencies({name for name in direct if name.startswith('ros-')})
     undeclared = {
         module: files[:3]

@@ -20,7 +20,8 @@ SCENARIO = load_scenario(CONFIG / 'asymmetric_hexagon.yaml')
 Q = start_configuration(SCENARIO)
 G = SCENARIO.gravity.in_plane
 WEIGHTS = np.array([f.mass * G * f.length / 2 for f in (SCENARIO.hand.left, SCENARIO.hand.right)])
-BOTH = pytest.mark.parametrize('backend', ['pybullet', 'planar'])
+EACH = pytest.mark.parametrize('backend', ['pybullet', 'mujoco', 'planar'])
+WITH_FORCES = pytest.mark.parametrize('backend', ['pybullet', 'mujoco'])  # told by `contacts()`
 FAR = np.array([0.0, 5.0, 0.4, 1.2, 1.9])  # the object out of reach
 
 
@@ -62,7 +63,7 @@ def held_against(hand, right_torque: float, seconds: float = 2.0):
 
 
 # ---------------------------------------------------------------------- free motion
-@BOTH
+@EACH
 @pytest.mark.parametrize('efforts', [(0.0, 0.0), (0.3, -0.2)])
 def test_a_free_finger_accelerates_by_its_inertia_rotor_included(hand, backend, efforts):
     h = hand(backend, q=FAR)
@@ -72,7 +73,7 @@ def test_a_free_finger_accelerates_by_its_inertia_rotor_included(hand, backend, 
     np.testing.assert_allclose(h.joints()[1] / h.period, expected, rtol=1e-5)
 
 
-@BOTH
+@EACH
 def test_a_free_object_falls_and_does_not_turn(hand, backend):
     h = hand(backend, q=FAR)
     for _ in range(300):
@@ -82,14 +83,15 @@ def test_a_free_object_falls_and_does_not_turn(hand, backend):
     np.testing.assert_allclose(pose, [0.0, 5.0 - 0.045 * G, 0.4], atol=2e-3)
 
 
-def test_fingers_stop_at_their_limits(hand):
-    h = hand(q=np.array([0.0, 5.0, 0.0, 0.3, 2.8]))
+@WITH_FORCES
+def test_fingers_stop_at_their_limits(hand, backend):
+    h = hand(backend, q=np.array([0.0, 5.0, 0.0, 0.3, 2.8]))
     for _ in range(1500):
         h.step(np.array([-1.0, 1.0]))
     np.testing.assert_allclose(h.joints()[0], [0.05, 3.09], atol=1e-4)
 
 
-@BOTH
+@EACH
 def test_torques_are_clipped_to_the_motors(hand, backend):
     a, b = hand(backend, q=FAR), hand(backend, q=FAR)
     a.step(np.array([50.0, -50.0]))
@@ -99,7 +101,7 @@ def test_torques_are_clipped_to_the_motors(hand, backend):
 
 
 # ---------------------------------------------------------------------- statics
-@BOTH
+@EACH
 def test_an_object_at_rest_on_the_palm_stays(hand, backend):
     h = hand(backend, q=np.array([*Q[:3], 3.0, 0.1]))
     for _ in range(1000):
@@ -108,17 +110,19 @@ def test_an_object_at_rest_on_the_palm_stays(hand, backend):
     np.testing.assert_allclose(h.object_velocity(), 0.0, atol=1e-6)
 
 
-def test_the_palm_carries_the_weight(hand):
-    h = hand(q=np.array([*Q[:3], 3.0, 0.1]))
+@WITH_FORCES
+def test_the_palm_carries_the_weight(hand, backend):
+    h = hand(backend, q=np.array([*Q[:3], 3.0, 0.1]))
     for _ in range(300):
         h.step(None)
     forces = [c.force * c.normal for c in h.contacts() if c.other == 'palm']
     np.testing.assert_allclose(np.sum(forces, axis=0), [0.0, SCENARIO.object.mass * G], atol=1e-6)
 
 
+@WITH_FORCES
 @pytest.mark.parametrize('torque', [0.3, 1.0, 3.0])
-def test_contact_forces_balance_the_object_and_the_torque_finger(hand, torque):
-    h = hand()
+def test_contact_forces_balance_the_object_and_the_torque_finger(hand, backend, torque):
+    h = hand(backend)
     held_against(h, torque)
     pose, contacts = h.object_pose(), h.contacts()
     force = sum(c.force * c.normal for c in contacts)
@@ -137,7 +141,7 @@ def test_contact_forces_balance_the_object_and_the_torque_finger(hand, torque):
     }
 
 
-@BOTH
+@EACH
 def test_contacts_happen_at_the_true_faces(hand, backend):
     """Gaps of the exact polygons when pressed together: within 0.03 mm."""
     h = hand(backend)
@@ -146,17 +150,18 @@ def test_contacts_happen_at_the_true_faces(hand, backend):
     assert -3e-5 < np.sort(gaps)[0] and np.sort(gaps)[3] < 3e-5
 
 
-def test_both_stand_ins_come_to_the_same_rest(hand):
+def test_every_stand_in_comes_to_the_same_rest(hand):
     ends = []
-    for backend in ('pybullet', 'planar'):
+    for backend in ('pybullet', 'mujoco', 'planar'):
         h = hand(backend)
         held_against(h, 2.0)
         ends.append(np.concatenate([h.object_pose(), h.joints()[0]]))
-    np.testing.assert_allclose(ends[0], ends[1], atol=5e-4)
+    np.testing.assert_allclose(ends[0], ends[2], atol=5e-4)
+    np.testing.assert_allclose(ends[1], ends[2], atol=5e-4)
 
 
 # ---------------------------------------------------------------------- energy
-@BOTH
+@EACH
 @pytest.mark.parametrize('turn', [0.1, 0.7])
 def test_a_dropped_object_never_gains_energy(hand, backend, turn):
     """From 3 cm up; an impact may not give back more than 0.3 mJ for the penetration it resolves, of 100 mJ."""
@@ -170,7 +175,7 @@ def test_a_dropped_object_never_gains_energy(hand, backend, turn):
     assert levels[-1] < levels[0] - 0.05
 
 
-@BOTH
+@EACH
 def test_fingers_do_work_and_nothing_else_does(hand, backend):
     """Energy minus the motors' work never grows while a finger pushes the object along."""
     h = hand(backend)
@@ -193,7 +198,7 @@ def test_fingers_do_work_and_nothing_else_does(hand, backend):
 
 
 # ---------------------------------------------------------------------- perturbations, rates, errors
-@BOTH
+@EACH
 def test_delay_holds_the_command_back_by_its_time(hand, backend):
     h = hand(backend, q=FAR, perturbation=Perturbation(actuation_delay=0.003))
     speeds = []
@@ -203,7 +208,7 @@ def test_delay_holds_the_command_back_by_its_time(hand, backend):
     assert max(speeds[:3]) < 1e-6 < 1e-2 < speeds[3]
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize('friction', [0.0, 0.05])
 def test_an_object_slides_down_a_sloping_palm_as_friction_lets_it(hand, backend, friction):
     slope = np.radians(10.0)
@@ -225,7 +230,7 @@ def test_an_object_slides_down_a_sloping_palm_as_friction_lets_it(hand, backend,
     assert abs(h.object_pose()[2] + slope) < 1e-4
 
 
-@BOTH
+@EACH
 def test_mass_and_shape_are_the_true_ones_and_the_noise_is_as_asked(hand, backend):
     offsets = np.full((6, 2), 2e-4) * [[1, 0], [1, 0], [0, 1], [0, 1], [-1, 0], [-1, 0]]
     p = Perturbation(
@@ -248,7 +253,7 @@ def test_mass_and_shape_are_the_true_ones_and_the_noise_is_as_asked(hand, backen
     np.testing.assert_allclose(spread, [2e-4, 2e-4, 0.02, 0.02], rtol=0.15)
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize('rate', [250.0, 500.0])
 def test_a_slower_rate_keeps_time_and_place(hand, backend, rate):
     slow, fast = hand(backend, q=FAR, rate=rate), hand(backend, q=FAR)
@@ -260,7 +265,7 @@ def test_a_slower_rate_keeps_time_and_place(hand, backend, rate):
     np.testing.assert_allclose(slow.joints()[0], fast.joints()[0], atol=1e-6)
 
 
-@BOTH
+@EACH
 def test_a_reset_hand_repeats_itself_exactly(hand, backend):
     h, ends = hand(backend, perturbation=Perturbation(encoder_noise=2e-4, velocity_noise=0.02)), []
     for _ in range(2):
@@ -270,7 +275,7 @@ def test_a_reset_hand_repeats_itself_exactly(hand, backend):
     np.testing.assert_allclose(ends[0], ends[1], rtol=0.0, atol=1e-12)
 
 
-@BOTH
+@EACH
 def test_a_mirrored_scenario_moves_mirrored(hand, backend):
     polygon = SCENARIO.object.polygon.mirrored()
     mirrored = replace(
@@ -295,7 +300,7 @@ def test_bad_efforts_and_unknown_backends_are_refused(hand):
     for bad in (np.array([np.nan, 0.0]), np.zeros(3)):
         with pytest.raises(HardwareError, match='two finite numbers'):
             h.step(bad)
-    with pytest.raises(HardwareError, match='allowed: pybullet, planar'):
+    with pytest.raises(HardwareError, match='allowed: pybullet, mujoco, planar'):
         make_hand('gazebo', SCENARIO)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from wholearm_ros.launcher.client import Client
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
+from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.orientation import start_rotation
 from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.scenario import Scenario
@@ -36,7 +37,7 @@ class RunOptions:
     topics: tuple = ()
     view: bool = False
     rate: float = 1000.0
-    backend: str = 'pybullet'
+    backend: str = DEFAULT_BACKEND
     search: str = 'best'
     transition: str = 'auto'
 

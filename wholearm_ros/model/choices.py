@@ -18,4 +18,5 @@ class Transition(str, Enum):
 
 class Backend(str, Enum):
     pybullet = 'pybullet'
+    mujoco = 'mujoco'
     planar = 'planar'

@@ -11,6 +11,7 @@ from std_msgs.msg import String
 from wholearm_ros.control.command_watchdog import BRAKE, LIMP, STOPPED, CommandWatchdog
 from wholearm_ros.control.periodic_timer import PeriodicTimer
 from wholearm_ros.mechanics.contacts import start_configuration
+from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import PACING, SCENARIO, scenario_of
@@ -29,12 +30,12 @@ from wholearm_ros.ros.node.node import ERROR, OK, WARN, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import state_markers
 from wholearm_ros.ros.visualization.robot_description import urdf
-from wholearm_ros.simulation.hand import BACKENDS, make_hand
+from wholearm_ros.simulation.hand import make_hand
 
 DECLARED = (
     SCENARIO,
     PACING,
-    Declared('backend', 'pybullet', 'the physics; planar needs no PyBullet', choices=BACKENDS),
+    Declared('backend', DEFAULT_BACKEND, 'the physics; planar is always there', choices=BACKENDS),
     Declared('view', False, "PyBullet's window, where there is a screen"),
     Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
     Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),

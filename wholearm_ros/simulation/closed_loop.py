@@ -9,6 +9,7 @@ from wholearm_ros.control.mode_switch import DONE, STOPPED, ModeSwitch
 from wholearm_ros.control.open_loop_torque import torque_effort
 from wholearm_ros.control.pd_velocity import velocity_effort
 from wholearm_ros.control.setpoints import ControlOptions, Joints
+from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.hand import Hand
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import Scenario
@@ -43,7 +44,7 @@ class RunRecord:
 def run(
     scenario: Scenario,
     trajectory: ManipulationTrajectory,
-    backend: str = 'pybullet',
+    backend: str = DEFAULT_BACKEND,
     rate: float = 1000.0,
     perturbation: Optional[Perturbation] = None,
     seed: int = 0,

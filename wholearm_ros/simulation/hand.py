@@ -6,10 +6,9 @@ from typing import List, Optional, Protocol, Tuple
 import numpy as np
 
 from wholearm_ros.errors import HardwareError
+from wholearm_ros.model.backends import BACKENDS
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import Scenario
-
-BACKENDS = ('pybullet', 'planar')
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,21 +65,25 @@ def make_hand(
     perturbation: Optional[Perturbation] = None,
     view: bool = False,
 ) -> HandBackend:
-    """A stand-in by name: 'pybullet', or 'planar' (our own forward dynamics, no dependency).
+    """A stand-in by name: 'pybullet', 'mujoco', or 'planar' (our own forward dynamics, no dependency).
 
-    scenario: as told to the planner; perturbation: what is truly different; rate [Hz]: of `step`.
+    scenario: as told to the planner; perturbation: what is truly different; rate [Hz]: of `step`; view: PyBullet's window.
     The back ends are imported here, so that one that is not installed is only missed when it is asked for.
     """
-    if backend == 'pybullet':
-        try:
-            from wholearm_ros.simulation.pybullet_hand import PyBulletHand
-        except ImportError as error:
-            raise HardwareError(
-                f'backend pybullet: {error}; allowed: install pybullet, or use backend planar'
-            ) from error
-        return PyBulletHand(scenario, rate=rate, perturbation=perturbation, view=view)
+    if backend not in BACKENDS:
+        raise HardwareError(f'backend: got {backend!r}; allowed: {", ".join(BACKENDS)}')
     if backend == 'planar':
         from wholearm_ros.simulation.planar_hand import PlanarHand
 
         return PlanarHand(scenario, rate=rate, perturbation=perturbation)
-    raise HardwareError(f'backend: got {backend!r}; allowed: {", ".join(BACKENDS)}')
+    try:
+        if backend == 'mujoco':
+            from wholearm_ros.simulation.mujoco_hand import MuJoCoHand
+
+            return MuJoCoHand(scenario, rate=rate, perturbation=perturbation)
+        from wholearm_ros.simulation.pybullet_hand import PyBulletHand
+    except ImportError as error:
+        raise HardwareError(
+            f'backend {backend}: {error}; allowed: pip install "wholearm_ros[{backend}]", or another backend'
+        ) from error
+    return PyBulletHand(scenario, rate=rate, perturbation=perturbation, view=view)

@@ -3,7 +3,7 @@
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-PACKAGES = ('wholearm_ros', 'numpy', 'scipy', 'numba', 'osqp', 'pybullet')
+PACKAGES = ('wholearm_ros', 'numpy', 'scipy', 'numba', 'osqp', 'pybullet', 'mujoco-core')
 
 
 def versions() -> dict:
