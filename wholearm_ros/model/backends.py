@@ -9,9 +9,16 @@ BACKENDS = (
 )  # in order of preference; planar is our own and always there
 
 
-def installed_backends() -> tuple:
+def installed_backends() -> tuple[str, ...]:
     """Those of BACKENDS that this Python can import, in that order; nothing is imported."""
-    return tuple(name for name in BACKENDS if name == 'planar' or find_spec(name) is not None)
+    return tuple(name for name in BACKENDS if name == 'planar' or _is_installed(name))
+
+
+def _is_installed(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except ImportError:  # something that finds modules refuses this one
+        return False
 
 
 DEFAULT_BACKEND = installed_backends()[0]
