@@ -12,7 +12,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
 .PHONY: run test test-faults bench install bags colcon clean
 run: $(STAMP)
-	@out=runs/$$(date +%Y-%m-%d_%H-%M-%S); mkdir -p $$out; \
+	@out=runs/$$(date +%Y-%m-%d_%H-%M-%S); \
 	$(PY) -m wholearm_ros run $(SCENARIO) --pacing lockstep --record $$out/bag --figures $$out/figures
 
 test: $(STAMP)

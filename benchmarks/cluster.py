@@ -15,8 +15,10 @@ import sys
 import time
 from pathlib import Path
 
-from wholearm_ros.suite.suite import SuiteOptions, run_suite, summarize
+from wholearm_ros.suite.statistics import summarize
+from wholearm_ros.suite.suite import run_suite
 from wholearm_ros.suite.suite_file import load_suite
+from wholearm_ros.suite.suite_options import SuiteOptions
 
 HERE = Path(__file__).parent
 

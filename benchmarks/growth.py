@@ -30,8 +30,9 @@ from wholearm_ros.planning.routes import BEST, RANDOM, SearchOptions, plan
 from wholearm_ros.report.figures.canvas import new_figure, save
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
 from wholearm_ros.rollout.verification import verify
-from wholearm_ros.suite.suite import SuiteOptions, run_suite
+from wholearm_ros.suite.suite import run_suite
 from wholearm_ros.suite.suite_file import SuiteEntry
+from wholearm_ros.suite.suite_options import SuiteOptions
 
 ROOT = Path(__file__).parents[1]
 VERTICES, SHAPES = (3, 4, 6, 8, 12, 16, 24), 8

@@ -1,15 +1,17 @@
-"""Where the files that ship with the package are: the source tree when it is run from there, else share/wholearm_ros."""
+"""Where the files that ship with the package are: the source tree when run from there, else share/wholearm_ros."""
 
 import sys
 from pathlib import Path
+from typing import Union
 
-from wholearm_ros.errors import WholeArmError
+from wholearm_ros.errors import ScenarioError, WholeArmError
 
-DEFAULT_SCENARIO = 'asymmetric_hexagon.yaml'
+DEFAULT_SCENARIO = 'asymmetric_hexagon'
+NODE_PARAMETERS = 'control.yaml'  # in config/, too, but no scenario
 
 
 def share_directory() -> Path:
-    """Holds config/ and launch/. The source tree first, so that an edited file counts at once."""
+    """The directory of config/ and launch/: the source tree first, so that an edited file counts at once."""
     package = Path(__file__).resolve().parents[1]
     places = [
         package.parent,
@@ -24,10 +26,26 @@ def share_directory() -> Path:
     )
 
 
-def scenario_path(name: str = '') -> Path:
-    """A scenario by path or by the name of a shipped one ('regular_hexagon'); '' is the default one."""
-    if not name:
-        return share_directory() / 'config' / DEFAULT_SCENARIO
-    path = Path(name)
-    shipped = share_directory() / 'config' / f'{name}.yaml'
-    return shipped if not path.exists() and shipped.is_file() else path
+def shipped_scenarios() -> dict[str, Path]:
+    """Name → file of every scenario that ships with the package."""
+    found = sorted((share_directory() / 'config').glob('*.yaml'))
+    return {path.stem: path for path in found if path.name != NODE_PARAMETERS}
+
+
+def scenario_path(name: Union[str, Path] = '') -> Path:
+    """A scenario by path or by the name of a shipped one ('regular_hexagon'); '' is the default one.
+
+    Raises ScenarioError, with the names that ship, when it is neither.
+    """
+    path = Path(name or DEFAULT_SCENARIO)
+    if path.is_file():
+        return path
+    shipped = shipped_scenarios()
+    if str(path) in shipped:
+        return shipped[str(path)]
+    if path.exists():
+        return path  # a directory: whoever reads it says so
+    raise ScenarioError(
+        f'{path}: cannot be read: no such file, and no shipped scenario of this name; '
+        f'allowed: a YAML or JSON file, or one of {", ".join(shipped)}'
+    )

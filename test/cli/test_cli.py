@@ -101,6 +101,49 @@ def test_bad_arguments_are_exit_code_2(arguments):
     assert wholearm(*arguments).exit_code == 2
 
 
+@pytest.mark.parametrize('command', ['plan', 'simulate', 'run'])
+def test_a_wrong_name_lists_the_shipped_scenarios(command):
+    if command == 'run':
+        pytest.importorskip('rclpy', reason='wholearm run needs ROS 2')
+    told = wholearm(command, 'pentagon')
+    assert told.exit_code == 2
+    assert 'pentagon' in told.output and 'asymmetric_hexagon, regular_hexagon' in told.output
+
+
+def test_a_shipped_scenario_is_planned_by_its_name_and_the_verdict_comes_first():
+    told = wholearm('plan', 'asymmetric_hexagon')
+    assert told.exit_code == 0 and told.output.startswith('plan found: ')
+
+
+def test_the_version_is_an_option_and_a_command():
+    option, command = wholearm('--version'), wholearm('version')
+    assert option.exit_code == 0 and option.output == command.output
+    assert option.output.startswith('wholearm_ros')
+
+
+@pytest.mark.parametrize('option', ['--run', '--json'])
+def test_a_full_disk_is_blamed_on_the_option_whose_file_it_is(option):
+    told = wholearm('simulate', HEXAGON, '--backend', 'planar', option, '/dev/full')
+    assert told.exit_code == 2
+    assert f'error: {option} /dev/full: cannot be written' in told.output.replace('\n', ' ')
+
+
+def test_a_row_of_a_suite_is_in_the_pipe_before_the_next_task_is_done(tmp_path):
+    from wholearm_ros.suite.suite_file import load_suite
+
+    tasks = load_suite(CONFIG.parent / 'benchmarks' / 'suite.json')
+    scenarios = [{'name': 'bad'}, *(task.scenario for task in tasks[:2])]
+    file = tmp_path / 'suite.json'
+    file.write_text(json.dumps({'format': 'wholearm-suite/1', 'tasks': scenarios}))
+    command = [sys.executable, '-m', 'wholearm_ros', 'suite', file, '--backend', 'planar']
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        rows = [process.stdout.readline() for _ in ('heading', 'first task')]
+        assert process.poll() is None
+        rest = process.stdout.read()
+    assert 'bad' in rows[1] and 'ERROR' in rows[1]
+    assert 'asymmetric_hexagon' in rest and '3 tasks' in rest
+
+
 def test_plan_then_simulate_from_the_document(tmp_path):
     out, told = tmp_path / 'plan.json', tmp_path / 'run.json'
     planned = wholearm('plan', HEXAGON, '--seed', 1, '--json', out)
@@ -125,7 +168,7 @@ def test_no_plan_is_exit_code_1(tmp_path):
     weak = tmp_path / 'weak.yaml'
     weak.write_text(Path(HEXAGON).read_text().replace('torque_limit: 7.0', 'torque_limit: 0.15'))
     told = wholearm('plan', weak, '--time-budget', 3)
-    assert told.exit_code == 1 and 'no plan' in told.output
+    assert told.exit_code == 1 and told.output.startswith('no plan')
 
 
 def test_suite_writes_its_results(tmp_path):

@@ -141,7 +141,7 @@ def test_wholearm_commands_run_one_after_the_other(name, bag_mcap, tmp_path):
 def _parse(words):
     group = typer.main.get_command(app)
     context = group.make_context('wholearm', list(words), resilient_parsing=True)
-    command = group.get_command(context, words[0])
+    _, command, _ = group.resolve_command(context, list(words))
     assert command is not None, words[0]
     known = {option for parameter in command.params for option in parameter.opts}
     given = [word for word in words[1:] if word.startswith('-')]

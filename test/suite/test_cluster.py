@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.suite.suite import SuiteOptions, run_suite
+from wholearm_ros.suite.suite import run_suite
 from wholearm_ros.suite.suite_file import load_suite
+from wholearm_ros.suite.suite_options import SuiteOptions
 
 pytest.importorskip('distributed', reason='Dask is not installed (the extra `cluster`)')
 SUITE = Path(__file__).parents[2] / 'benchmarks' / 'suite.json'

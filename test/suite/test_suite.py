@@ -9,8 +9,12 @@ import pytest
 
 from wholearm_ros.errors import DocumentError, ScenarioError
 from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
-from wholearm_ros.suite.suite import SuiteOptions, perturbation_rng, run_suite, run_task, summarize
+from wholearm_ros.suite.execution import perturbation_rng
+from wholearm_ros.suite.statistics import summarize
+from wholearm_ros.suite.suite import run_suite
 from wholearm_ros.suite.suite_file import SuiteEntry, load_suite
+from wholearm_ros.suite.suite_options import SuiteOptions
+from wholearm_ros.suite.task_result import run_task
 
 CONFIG = Path(__file__).parents[2] / 'config'
 HEXAGON = scenario_to_dict(load_scenario(CONFIG / 'asymmetric_hexagon.yaml'))
@@ -76,7 +80,7 @@ def test_a_bug_is_never_called_infeasible(monkeypatch):
     def broken(*_):
         raise ZeroDivisionError('a bug')
 
-    monkeypatch.setattr('wholearm_ros.suite.suite.plan_and_verify', broken)
+    monkeypatch.setattr('wholearm_ros.suite.task_result.plan_and_verify', broken)
     result = run_task(SuiteEntry('good', HEXAGON), SuiteOptions())
     assert 'ZeroDivisionError: a bug' in result['error'] and result['reason'] == 'error'
 

@@ -2,89 +2,84 @@
 
 import os
 import signal
-from enum import Enum
 from pathlib import Path
-from typing import Optional
+from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.markup import escape
 
+from wholearm_ros.cli.options import (
+    TIME_BUDGET,
+    BackendOption,
+    BudgetOption,
+    SearchOption,
+    SeedOption,
+    TransitionOption,
+    ViewOption,
+)
+from wholearm_ros.cli.output import FAILED, INTERRUPTED, finish, out
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.figures import figures_of
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, run_graph
 from wholearm_ros.launcher.live_view import view_on
-from wholearm_ros.model.choices import FAILED, INTERRUPTED, OK, Backend, Search, Transition
+from wholearm_ros.model.choices import Backend, Pacing, Search, Storage, Transition
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.package_share import scenario_path
 from wholearm_ros.ros.interface.transport import choose_transport
 
-out = Console(highlight=False)
-
-
-class Pacing(str, Enum):
-    realtime = 'realtime'
-    lockstep = 'lockstep'
-
-
-class Storage(str, Enum):
-    mcap = 'mcap'
-    sqlite3 = 'sqlite3'
-
 
 def run(
-    scenario: str = typer.Argument(
-        '',
-        metavar='[SCENARIO]',
-        help='Scenario file, YAML or JSON, or the name of a shipped one.',
-        show_default='asymmetric_hexagon',
-    ),
-    pacing: Pacing = typer.Option(
-        Pacing.realtime,
-        '--pacing',
-        help='realtime: wall clock; lockstep: simulated time '
-        'waits for every command, the same result on any machine.',
-    ),
-    seed: int = typer.Option(0, '--seed', min=0, help='Of everything drawn at random in planning.'),
-    record: Optional[Path] = typer.Option(
-        None, '--record', metavar='DIR', help='Record a bag; DIR is made.'
-    ),
-    figures: Optional[Path] = typer.Option(
-        None, '--figures', metavar='DIR', help='Draw the run into DIR; needs --record.'
-    ),
-    storage: Storage = typer.Option(Storage.mcap, '--storage', help='Format of the bag.'),
-    view: bool = typer.Option(False, '--view', help="PyBullet's window, where there is a screen."),
-    rate: float = typer.Option(1000.0, '--rate', min=50.0, max=2000.0, help='Motor rate [Hz].'),
-    backend: Backend = typer.Option(
-        Backend.pybullet, '--backend', help='Physics; planar needs no PyBullet.'
-    ),
-    search: Search = typer.Option(
-        Search.best, '--search', help="best: widest margins first; random: the paper's."
-    ),
-    transition: Transition = typer.Option(
-        Transition.auto, '--transition', help='How torque ranges that do not overlap are crossed.'
-    ),
-    network: bool = typer.Option(
-        False,
-        '--network',
-        help='Let other machines take part, and command the drives; else only this one.',
-    ),
-):
-    """Plan and execute on the ROS 2 graph: every node a process, the hand's stand-in as hardware.
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            metavar='[SCENARIO]',
+            help='Scenario file, YAML or JSON, or the name of a shipped one.',
+            show_default='asymmetric_hexagon',
+        ),
+    ] = '',
+    pacing: Annotated[
+        Pacing,
+        typer.Option(
+            '--pacing',
+            help='realtime: wall clock; lockstep: simulated time waits for every command, '
+            'the same result on any machine.',
+        ),
+    ] = Pacing.realtime,
+    seed: SeedOption = 0,
+    record: Annotated[
+        Path | None, typer.Option('--record', metavar='DIR', help='Record a bag; DIR is made.')
+    ] = None,
+    figures: Annotated[
+        Path | None,
+        typer.Option('--figures', metavar='DIR', help='Draw the run into DIR; needs --record.'),
+    ] = None,
+    storage: Annotated[
+        Storage, typer.Option('--storage', help='Format of the bag.')
+    ] = Storage.mcap,
+    view: ViewOption = False,
+    rate: Annotated[
+        float, typer.Option('--rate', min=50.0, max=2000.0, help='Motor rate [Hz].')
+    ] = 1000.0,
+    backend: BackendOption = Backend.pybullet,
+    search: SearchOption = Search.best,
+    transition: TransitionOption = Transition.auto,
+    time_budget: BudgetOption = TIME_BUDGET,
+    network: Annotated[
+        bool,
+        typer.Option(
+            '--network',
+            help='Let other machines take part, and command the drives; else only this one.',
+        ),
+    ] = False,
+) -> None:
+    """Plan and execute on the ROS 2 graph: every node a process, a simulated hand as hardware.
 
     Example: wholearm run regular_hexagon --pacing lockstep --record runs/first
     """
-    path = scenario_path(scenario).absolute()
-    if record is not None and record.exists():
-        raise WholeArmError(
-            f'--record {record}: exists already; allowed: a directory that does not exist yet'
-        )
-    if figures is not None and record is None:
-        raise WholeArmError(
-            '--figures: they are drawn from the bag; allowed: together with --record DIR'
-        )
-    _check_screen(view)
+    _refuse_early(record, figures, view)
     choose_transport(network=network)
+    path = scenario_path(scenario).absolute()
     options = RunOptions(
         str(path),
         pacing=pacing.value,
@@ -96,78 +91,91 @@ def run(
         backend=backend.value,
         search=search.value,
         transition=transition.value,
+        time_budget=time_budget,
     )
-    task = load_scenario(path)
-    _interrupt_on_sigterm()
-    try:
-        with view_on(out) as view:
-            report = run_graph(task, options, view, attend=view.attend)
-    except KeyboardInterrupt:
-        out.print('interrupted: every node has been stopped')
-        raise typer.Exit(INTERRUPTED) from None
-    except WholeArmError as error:
-        out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
-        raise typer.Exit(FAILED) from None
-    show(report, options)
-    if figures is not None and report.judged is not None:
-        for path in figures_of(options.record, figures):
-            out.print(
-                f'{"report" if path.suffix == ".html" else "figure":12}{path}', soft_wrap=True
-            )
-    raise typer.Exit(OK if report.success else FAILED)
+    report = _run(load_scenario(path), options)
+    _print(report, options)
+    if figures is not None and options.record is not None:
+        for written in figures_of(options.record, figures):
+            _line('report' if written.suffix == '.html' else 'figure', written)
+    finish(report.success)
 
 
-def show(report: RunReport, options: RunOptions):
-    """A summary for people."""
-
-    def line(name, text):
-        out.print(f'{name:12}{escape(text)}', soft_wrap=True)
-
-    line('scenario', options.scenario)
-    line('plan', report.message.removeprefix('plan '))
-    times = ', '.join(f'{name} {seconds:.2f} s' for name, seconds in report.timings.items())
-    search = ', '.join(
-        f'{key.removesuffix("_ms")} {float(report.planner[key]):.0f} ms'
-        for key in ('plan_ms', 'generate_ms', 'verify_ms')
-        if key in report.planner
-    )
-    line('timings', f'{times} ({search})' if search else times)
-    if report.judged is not None:
-        line('path', f'{report.path_length} subgoals')
-        line(
-            'modes',
-            ', '.join(
-                f'{mode} {seconds:.2f} s' for mode, seconds in report.modes.items() if seconds
-            ),
+def _refuse_early(record: Path | None, figures: Path | None, view: bool) -> None:
+    """What can be refused before anything is started."""
+    if record is not None and record.exists():
+        raise WholeArmError(
+            f'--record {record}: exists already; allowed: a directory that does not exist yet'
         )
-        judged = report.judged
-        x, y, turn = judged.pose
-        line('goal', f'{report.result.get("outcome")}: {report.result.get("reason")}')
-        line(
-            'final pose',
-            f'x {x:.6f} m, y {y:.6f} m, rotation {turn:.6f} rad; {judged.angle_error:+.4f} rad from the '
-            f'goal, {1e3 * judged.gap:+.3f} mm from the palm',
+    if figures is not None and record is None:
+        raise WholeArmError(
+            '--figures: they are drawn from the bag; allowed: together with --record DIR'
         )
-    if options.record:
-        line('bag', str(options.record))
-    if report.success:
-        out.print('[bold green]success:[/] the object rests on its goal')
-    elif report.judged is not None:
-        out.print(
-            f'[bold red]not at the goal:[/] {escape(report.judged.reason or report.result.get("reason", ""))}',
-            soft_wrap=True,
-        )
-
-
-def _check_screen(view: bool):
     if view and not os.environ.get('DISPLAY'):
         raise WholeArmError(
             '--view: there is no screen here (DISPLAY is not set); allowed: run without --view'
         )
 
 
-def _interrupt_on_sigterm():
-    def interrupt(*_):
+def _run(scenario: Scenario, options: RunOptions) -> RunReport:
+    """The run; ends the command when the graph breaks or is interrupted."""
+    _interrupt_on_sigterm()
+    try:
+        with view_on(out) as view:
+            return run_graph(scenario, options, view, attend=view.attend)
+    except KeyboardInterrupt:
+        out.print('interrupted: every node has been stopped')
+        raise typer.Exit(INTERRUPTED) from None
+    except WholeArmError as error:
+        out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
+        raise typer.Exit(FAILED) from None
+
+
+def _print(report: RunReport, options: RunOptions) -> None:
+    """The verdict first, then what led to it."""
+    judged = report.judged
+    if report.success:
+        out.print('[bold green]success:[/] the object rests on its goal')
+    elif judged is not None:
+        reason = judged.reason or report.result.get('reason', '')
+        out.print(f'[bold red]not at the goal:[/] {escape(reason)}', soft_wrap=True)
+    else:
+        out.print(f'[bold red]not executed:[/] {escape(report.message)}', soft_wrap=True)
+    _line('scenario', options.scenario)
+    if report.planned:
+        _line('plan', report.message.removeprefix('plan '))
+    _line('timings', _timings(report))
+    if judged is not None:
+        modes = [f'{mode} {seconds:.2f} s' for mode, seconds in report.modes.items() if seconds]
+        x, y, turn = judged.pose
+        _line('path', f'{report.path_length} subgoals')
+        _line('modes', ', '.join(modes))
+        _line('goal', f'{report.result.get("outcome")}: {report.result.get("reason")}')
+        _line(
+            'final pose',
+            f'x {x:.6f} m, y {y:.6f} m, rotation {turn:.6f} rad; {judged.angle_error:+.4f} rad '
+            f'from the goal, {1e3 * judged.gap:+.3f} mm from the palm',
+        )
+    if options.record:
+        _line('bag', options.record)
+
+
+def _timings(report: RunReport) -> str:
+    times = ', '.join(f'{name} {seconds:.2f} s' for name, seconds in report.timings.items())
+    search = ', '.join(
+        f'{key.removesuffix("_ms")} {float(report.planner[key]):.0f} ms'
+        for key in ('plan_ms', 'generate_ms', 'verify_ms')
+        if key in report.planner
+    )
+    return f'{times} ({search})' if search else times
+
+
+def _line(name: str, text: object) -> None:
+    out.print(f'{name:12}{escape(str(text))}', soft_wrap=True)
+
+
+def _interrupt_on_sigterm() -> None:
+    def interrupt(*_: Any) -> None:
         raise KeyboardInterrupt
 
     signal.signal(signal.SIGINT, interrupt)

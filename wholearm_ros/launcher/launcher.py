@@ -27,7 +27,7 @@ LOOP_PRIORITY = 20  # of the nodes of the closed loop in real time, and of the r
 @dataclass(frozen=True)
 class RunOptions:
     """What `wholearm run` was told. rate: of the motors [Hz]; record: directory of the bag, or None;
-    topics: what goes into it, all when empty."""
+    topics: what goes into it, all when empty; time_budget: for planning [s]."""
 
     scenario: str
     pacing: str = 'realtime'
@@ -40,6 +40,7 @@ class RunOptions:
     backend: str = DEFAULT_BACKEND
     search: str = 'best'
     transition: str = 'auto'
+    time_budget: float = 180.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +98,7 @@ def node_parameters(options: RunOptions) -> dict:
             'seed': options.seed,
             'search': options.search,
             'transition': options.transition,
+            'time_budget': float(options.time_budget),
         },
     }
 
@@ -136,7 +138,7 @@ def _plan_and_execute(client: Client, scenario, options, tell) -> RunReport:
         )
     clock.append(time.monotonic())
     tell('planning')
-    answer = client.call(channels.PLAN_SCENARIO, START_WITHIN)
+    answer = client.call(channels.PLAN_SCENARIO, START_WITHIN + options.time_budget)
     clock.append(time.monotonic())
     tell(answer.message)
     heard = client.heard

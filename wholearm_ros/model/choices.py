@@ -1,22 +1,40 @@
-"""What a person may choose on the command line, and what its exit codes say. Imports nothing: --help is quick."""
+"""What may be chosen on the command line. Imports nothing: --help is quick."""
 
 from enum import Enum
 
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-
 
 class Search(str, Enum):
+    """How Phase 1 searches the contact states: widest torque margins first, or at random as in the paper."""
+
     best = 'best'
     random = 'random'
 
 
 class Transition(str, Enum):
+    """How to cross between torque ranges that do not overlap."""
+
     auto = 'auto'
     dwell = 'dwell'
     dynamic = 'dynamic'
 
 
 class Backend(str, Enum):
+    """Physics of the simulated hand."""
+
     pybullet = 'pybullet'
     mujoco = 'mujoco'
     planar = 'planar'
+
+
+class Pacing(str, Enum):
+    """Clock of the ROS graph: the wall clock, or simulated time that waits for every command."""
+
+    realtime = 'realtime'
+    lockstep = 'lockstep'
+
+
+class Storage(str, Enum):
+    """File format of a bag."""
+
+    mcap = 'mcap'
+    sqlite3 = 'sqlite3'

@@ -27,11 +27,16 @@ from wholearm_ros.model.scenario_schema import (
     StartOnEdgeTable,
 )
 from wholearm_ros.model.yaml_text import read_mapping
+from wholearm_ros.package_share import scenario_path
 
 
 def load_scenario(path: Union[str, Path]) -> Scenario:
-    """The scenario in the YAML or JSON file at `path`; raises ScenarioError that lists every problem found."""
-    return parse_scenario(read_mapping(path), source=str(path))
+    """The scenario in the YAML or JSON file at `path`, or a shipped one by its name.
+
+    Raises ScenarioError that lists every problem found.
+    """
+    found = scenario_path(path)
+    return parse_scenario(read_mapping(found), source=str(found))
 
 
 def parse_scenario(mapping: Mapping, source: str = 'scenario') -> Scenario:

@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Union
+from typing import Any
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.yaml_text import read_text
@@ -14,14 +14,14 @@ MAX_BYTES = 64 * 1024 * 1024
 
 @dataclass(frozen=True)
 class SuiteEntry:
-    """name; scenario: the keys of a scenario file, not looked at yet, so that a bad one only spoils itself."""
+    """name; scenario: the keys of a scenario file, not checked yet, so that a bad one only spoils itself."""
 
     name: str
-    scenario: dict
+    scenario: dict[str, Any]
 
 
-def load_suite(path: Union[str, Path]) -> tuple:
-    """The tasks (SuiteEntry, ...) of the suite at `path`; raises ScenarioError or DocumentError."""
+def load_suite(path: str | Path) -> tuple[SuiteEntry, ...]:
+    """The tasks of the suite at `path`; raises ScenarioError or DocumentError."""
     text = read_text(path, MAX_BYTES)
     try:
         document = json.loads(text)
@@ -38,6 +38,6 @@ def load_suite(path: Union[str, Path]) -> tuple:
     return tuple(SuiteEntry(_name(task, k), task) for k, task in enumerate(tasks))
 
 
-def _name(task, k: int) -> str:
+def _name(task: Any, k: int) -> str:
     name = task.get('name') if isinstance(task, dict) else None
     return name if isinstance(name, str) and name else f'task {k}'

@@ -3,33 +3,39 @@
 Each way yields (place of the task, result) as results come, every place once.
 """
 
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures import as_completed as as_pool_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import cache
+from importlib.util import find_spec
 from multiprocessing import get_context
-from typing import Callable, Iterator, Optional, Sequence, Tuple
+from typing import Any
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.planner.warm import warm
+from wholearm_ros.suite.suite_file import SuiteEntry
 
 ANSWER_WITHIN = 10.0  # [s] of a scheduler that is asked for the first time
 WORKER_WITHIN = 60.0  # [s] for the first worker to come
-Done = Iterator[Tuple[int, dict]]
+Result = dict[str, Any]
+Results = Iterator[tuple[int, Result]]
+Work = Callable[[SuiteEntry], Result]
+Failed = Callable[[SuiteEntry, str], Result]
 
 
 def work_on(
-    tasks: Sequence,
-    work: Callable,
-    failed: Callable,
+    tasks: Sequence[SuiteEntry],
+    work: Work,
+    failed: Failed,
     jobs: int = 1,
-    scheduler: Optional[str] = None,
-) -> Done:
+    scheduler: str | None = None,
+) -> Results:
     """`work(task)` → result for every task; `failed(task, why)` → result of one whose workers died.
 
-    scheduler: address of a Dask scheduler, whose workers are used instead of `jobs` processes. Raises WholeArmError when it
-    does not answer, or has no worker.
+    scheduler: address of a Dask scheduler, whose workers are used instead of `jobs` processes.
+    Raises WholeArmError when it does not answer, or has no worker.
     """
     if scheduler is None and jobs == 1:
         return _here(tasks, work)
@@ -38,14 +44,14 @@ def work_on(
     return _on_cluster(tasks, work, failed, jobs, scheduler)
 
 
-def _here(tasks, work) -> Done:
+def _here(tasks: Sequence[SuiteEntry], work: Work) -> Results:
     _warm_once()
     for k, task in enumerate(tasks):
         yield k, work(task)
 
 
-def _in_processes(tasks, work, failed, jobs) -> Done:
-    """Without Dask. A worker that dies takes every open task of the pool with it; they are told as errors."""
+def _in_processes(tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs: int) -> Results:
+    """Without Dask. A worker that dies takes every open task of the pool with it; they become errors."""
     with ProcessPoolExecutor(jobs, mp_context=get_context('spawn'), initializer=_warm_once) as pool:
         places = {pool.submit(work, task): k for k, task in enumerate(tasks)}
         for future in as_pool_completed(places):
@@ -56,27 +62,27 @@ def _in_processes(tasks, work, failed, jobs) -> Done:
                 yield k, failed(tasks[k], f'a worker process died: {error}')
 
 
-def _on_cluster(tasks, work, failed, jobs, scheduler) -> Done:
-    """Dask gives a dead worker's tasks to another one, also those that were done but whose results it had not handed over."""
+def _on_cluster(
+    tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs: int, scheduler: str | None
+) -> Results:
+    """On Dask: a dead worker's tasks go to another one, also those done whose results were not handed over."""
     dask = _dask()
     with _client(dask, jobs, scheduler) as client:
-        # A key a task: the same suite sent twice is worked on twice; impure, or tasks that look alike would become one.
+        # A key a task: the same suite sent twice is worked on twice; pure, tasks that look alike would become one.
         futures = client.map(_work_warm, tasks, work=work, pure=False, batch_size=1)
         places = {future.key: k for k, future in enumerate(futures)}
         for future in dask.as_completed(futures):
             k = places[future.key]
             try:
-                yield (
-                    k,
-                    future.result(),
-                )  # waits when its worker died since, and the task is worked on again
+                # This waits when the worker has died since and the task is worked on again.
+                yield k, future.result()
             except (dask.KilledWorker, dask.CancelledError) as error:
                 yield k, failed(tasks[k], f'lost on the cluster: {error}')
             future.release()
 
 
-def _dask():
-    """The module; it takes a second to import, and is an extra."""
+def _dask() -> Any:
+    """The module `distributed`; it takes a second to import, and is an extra."""
     try:
         import distributed
     except ImportError as error:
@@ -87,15 +93,13 @@ def _dask():
 
 
 @contextmanager
-def _client(dask, jobs, scheduler):
+def _client(dask: Any, jobs: int, scheduler: str | None) -> Iterator[Any]:
     """A client of the scheduler, or of an embedded cluster of `jobs` processes."""
     if scheduler is None:
-        with (
-            dask.LocalCluster(
-                jobs, threads_per_worker=1, host='127.0.0.1', dashboard_address='127.0.0.1:0'
-            ) as cluster,
-            dask.Client(cluster) as client,
-        ):
+        local = dask.LocalCluster(
+            jobs, threads_per_worker=1, host='127.0.0.1', dashboard_address='127.0.0.1:0'
+        )
+        with local as cluster, dask.Client(cluster) as client:
             yield client
         return
     try:
@@ -103,25 +107,23 @@ def _client(dask, jobs, scheduler):
         client.wait_for_workers(1, timeout=WORKER_WITHIN)
     except (OSError, ValueError) as error:
         raise WholeArmError(
-            f'--scheduler {scheduler}: {error or "no answer"}; allowed: the address that `dask scheduler` '
-            'prints, with at least one `dask worker`'
+            f'--scheduler {scheduler}: {error or "no answer"}; allowed: the address that '
+            '`dask scheduler` prints, with at least one `dask worker`'
         ) from error
     with client:
         yield client
 
 
-def _work_warm(task, work):
+def _work_warm(task: SuiteEntry, work: Work) -> Result:
     _warm_once()
     return work(task)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _warm_once() -> float:
-    """Compiled code is loaded once a process, so that no task's times hold that."""
+    """Load the compiled code once a process, so that no task's times hold that."""
     return warm()
 
 
 def _has_dask() -> bool:
-    from importlib.util import find_spec
-
     return find_spec('distributed') is not None

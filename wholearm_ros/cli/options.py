@@ -1,0 +1,80 @@
+"""Options and arguments that several commands share, each defined once."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from wholearm_ros.model.choices import Backend, Search, Transition
+
+TIME_BUDGET = 180.0  # [s]
+
+
+def _writable(path: Path | None) -> Path | None:
+    """Refused before the work, not after it."""
+    if path is not None and not path.absolute().parent.is_dir():
+        raise typer.BadParameter(f'{path.absolute().parent} is not a directory')
+    return path
+
+
+def output_file(name: str, text: str, default: bool | str = True) -> Any:
+    """Option whose value is a file to write; default: what --help says about its default."""
+    return typer.Option(
+        name,
+        metavar='OUT',
+        dir_okay=False,
+        writable=True,
+        callback=_writable,
+        help=text,
+        show_default=default,
+    )
+
+
+ScenarioName = Annotated[
+    str,
+    typer.Argument(
+        metavar='SCENARIO',
+        help='Scenario file, YAML or JSON, or the name of a shipped one (asymmetric_hexagon).',
+    ),
+]
+SeedOption = Annotated[
+    int,
+    typer.Option(
+        '--seed', min=0, help='Of the search and of random draws: same seed, same result.'
+    ),
+]
+SearchOption = Annotated[
+    Search,
+    typer.Option('--search', help="best: widest torque margins first; random: the paper's search."),
+]
+TransitionOption = Annotated[
+    Transition,
+    typer.Option(
+        '--transition',
+        help='How to cross between torque ranges that do not overlap; auto: the more robust way.',
+    ),
+]
+BudgetOption = Annotated[
+    float,
+    typer.Option(
+        '--time-budget', min=0.0, help='Seconds for planning, verification by simulation included.'
+    ),
+]
+BackendOption = Annotated[
+    Backend, typer.Option('--backend', help='Simulated hand; planar needs no PyBullet.')
+]
+PerturbOption = Annotated[
+    float,
+    typer.Option(
+        '--perturb',
+        min=0.0,
+        max=10.0,
+        metavar='LEVEL',
+        help='Draw mass, shape, friction, delay, torque and noise unknown to the planner; '
+        '1: ±5 %, ±0.5 mm, 0-0.05, 0-3 ms, ±3 %, 0.2 mrad.',
+    ),
+]
+ViewOption = Annotated[
+    bool, typer.Option('--view', help="Open PyBullet's window, where there is a screen.")
+]
+JsonOption = Annotated[Path | None, output_file('--json', 'Write the result here as JSON.')]

@@ -1,0 +1,36 @@
+"""`wholearm plan`: contact states from start to goal, the trajectory through them, verified."""
+
+from wholearm_ros.cli.options import (
+    TIME_BUDGET,
+    BudgetOption,
+    JsonOption,
+    ScenarioName,
+    SearchOption,
+    SeedOption,
+    TransitionOption,
+)
+from wholearm_ros.cli.output import finish, write_text
+from wholearm_ros.cli.planning import plan_scenario
+from wholearm_ros.model.choices import Search, Transition
+from wholearm_ros.planner.request import PlanRequest
+
+
+def plan(
+    scenario: ScenarioName,
+    seed: SeedOption = 0,
+    search: SearchOption = Search.best,
+    transition: TransitionOption = Transition.auto,
+    time_budget: BudgetOption = TIME_BUDGET,
+    json_out: JsonOption = None,
+) -> None:
+    """Plan a scenario: contact states from start to goal, the trajectory through them, verified.
+
+    Example: wholearm plan asymmetric_hexagon --seed 1 --json plan.json
+    """
+    request = PlanRequest(
+        search=search.value, seed=seed, transition=transition.value, time_budget=time_budget
+    )
+    result = plan_scenario(scenario, request)
+    if json_out:
+        write_text(json_out, result.plan.to_json(), '--json')
+    finish(result.trajectory is not None)

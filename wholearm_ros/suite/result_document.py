@@ -1,0 +1,33 @@
+"""The document `wholearm-suite-result/1`: the results of a suite, each with the scenario it is of."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from wholearm_ros.suite.suite_file import SuiteEntry
+from wholearm_ros.suite.suite_options import SuiteOptions
+
+RESULT_FORMAT = 'wholearm-suite-result/1'
+
+
+def suite_document(
+    file: str,
+    tasks: Sequence[SuiteEntry],
+    options: SuiteOptions,
+    results: list[dict[str, Any]],
+    summary: dict[str, Any],
+) -> dict[str, Any]:
+    """file: name of the suite's file, shown in the report; the rest as `run_suite` and `summarize` give it."""
+    return {
+        'format': RESULT_FORMAT,
+        'suite': file,
+        'seed': options.seed,
+        'perturb': options.perturb,
+        'draws': options.draws,
+        'search': options.search,
+        'transition': options.transition,
+        'time_budget': options.time_budget,
+        'backend': options.backend,
+        'rate': options.rate,
+        'summary': summary,
+        'tasks': [{**r, 'scenario': task.scenario} for task, r in zip(tasks, results)],
+    }

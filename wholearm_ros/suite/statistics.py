@@ -1,0 +1,31 @@
+"""Counts and times over the results of a suite."""
+
+from typing import Any
+
+import numpy as np
+
+TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
+
+
+def summarize(results: list[dict[str, Any]]) -> dict[str, Any]:
+    """Summary of results. sound: successful runs / runs of planned tasks, None when nothing was planned."""
+    planned = [r for r in results if r['planned']]
+    runs = [draw for r in planned for draw in r['draws']]
+    done = sum(draw['executed'] for draw in runs)
+    return {
+        'tasks': len(results),
+        'planned': len(planned),
+        'executed': sum(r['executed'] for r in results),
+        'errors': sum('error' in r for r in results),
+        'runs': len(runs),
+        'executed_runs': done,
+        'sound': done / len(runs) if runs else None,
+        **{name: _spread([r[name] for r in results if r[name] is not None]) for name in TIMES},
+    }
+
+
+def _spread(values: list[float]) -> dict[str, float] | None:
+    """Median and 95th percentile; None of no values."""
+    if not values:
+        return None
+    return {'median': float(np.median(values)), 'p95': float(np.percentile(values, 95))}

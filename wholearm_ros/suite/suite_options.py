@@ -1,0 +1,38 @@
+"""How the tasks of a suite are planned and executed."""
+
+from dataclasses import dataclass, field
+
+from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.planner.request import PlanRequest
+
+
+@dataclass(frozen=True)
+class SuiteOptions:
+    """Options of planning, of the perturbations and of the simulated hand.
+
+    seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed runs a task;
+    search, transition, candidates, moves, time_budget [s]: of the planning request; backend, rate [Hz]: of the hand.
+    """
+
+    seed: int = 0
+    perturb: float = 0.0
+    draws: int = 1
+    search: str = 'best'
+    transition: str = 'auto'
+    candidates: int = PlanRequest.candidates
+    moves: int = PlanRequest.moves
+    time_budget: float = PlanRequest.time_budget
+    backend: str = 'pybullet'
+    rate: float = 1000.0
+    controls: ControlOptions = field(default_factory=ControlOptions)
+
+    def request(self) -> PlanRequest:
+        """The planning request of every task."""
+        return PlanRequest(
+            search=self.search,
+            seed=self.seed,
+            transition=self.transition,
+            candidates=self.candidates,
+            moves=self.moves,
+            time_budget=self.time_budget,
+        )
