@@ -11,8 +11,10 @@ from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import GoalOnEdge, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.planner.certification import STREAM
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
 from wholearm_ros.trajectory.main_trajectory import generate
 
 BEST, RANDOM = PlanRequest(), PlanRequest(search='random', seed=3)
@@ -142,3 +144,29 @@ def test_a_polygon_of_forty_vertices_is_planned_or_refused_for_a_true_reason():
     )
     found = plan_and_verify(scenario, PlanRequest(moves=0, candidates=2, time_budget=20.0))
     assert found.plan.outcome in ('found', 'not_executable', 'exhausted', 'time_spent')
+
+
+@pytest.mark.parametrize('name', SHIPPED)
+def test_an_offered_plan_carries_its_certificate(offers, name):
+    """From samples of its own: in the plan's document, in its line for people, and at least as good as asked for."""
+    plan = offers[name, 'best'].plan
+    found = plan.certificate
+    assert found.samples == 59 and found.level == 1.0 and found.confidence == 0.95
+    assert found.lower_bound >= PlanRequest().min_success
+    assert f'{found.survived} of 59 fresh samples' in plan.summary()
+    assert ContactPlan.from_json(plan.to_json()).certificate == found
+    assert replace(plan, certificate=None).id != plan.id
+
+
+def test_a_plan_below_the_least_success_asked_for_is_refused_with_its_bound():
+    """59 samples cannot show more than 0.95."""
+    request = PlanRequest(samples=1, moves=0, candidates=4, min_success=0.96, certifications=2)
+    found = plan_and_verify(ASYMMETRIC, request)
+    assert found.trajectory is None and found.plan.outcome == 'not_executable'
+    assert 'success rate at least' in found.plan.reason and 'min_success' in found.plan.reason
+
+
+def test_samples_of_certificates_had_no_part_in_the_search():
+    chosen = build_perturbed_samples(ASYMMETRIC, 12, 1.0, 0)[1:]
+    fresh = build_perturbed_samples(ASYMMETRIC, 59, 1.0, (0, STREAM, 0))[1:]
+    assert not {s.world.obj.tobytes() for s in chosen} & {s.world.obj.tobytes() for s in fresh}

@@ -15,7 +15,7 @@ from wholearm_ros.planning.problem import build_problem
 from wholearm_ros.planning.primitive_tree import PrimitiveTree
 from wholearm_ros.planning.routes import PrimitiveRoutes, SearchOptions
 
-NOMINAL_ONLY = PlanRequest(samples=0, moves=0, transition='dwell')
+NOMINAL_ONLY = PlanRequest(samples=0, certificate_samples=0, moves=0, transition='dwell')
 
 
 def scaled(scenario: Scenario, k: float) -> Scenario:

@@ -4,11 +4,13 @@ import json
 import uuid
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Optional
 
 import numpy as np
 
 from wholearm_ros.errors import DocumentError, ScenarioError
 from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.certificate import Certificate
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 
@@ -75,7 +77,8 @@ class ContactPlan:
     """What Phase 1 answers. `outcome` says whether there is a route; `reason` says why not, or what was found.
 
     counts: numbers of the search (iterations, arcs, subgoals X and Y); cost: of the route, by name;
-    execution: how Phase 2 shall execute it (the choices that verification liked best), {} for the defaults.
+    execution: how Phase 2 shall execute it (the choices that verification liked best), {} for the defaults;
+    certificate: how surely it succeeds, None when nobody asked.
     """
 
     scenario: Scenario
@@ -89,6 +92,7 @@ class ContactPlan:
     legs: tuple = ()
     cost: dict = field(default_factory=dict)
     execution: dict = field(default_factory=dict)
+    certificate: Optional[Certificate] = None
 
     @property
     def found(self) -> bool:
@@ -112,9 +116,8 @@ class ContactPlan:
         )
         if not self.found:
             return f'no plan ({self.outcome}): {self.reason} [{counts}]'
-        return (
-            f'plan {self.id[:8]}: {len(self.path)} subgoals on the path, {self.reason} [{counts}]'
-        )
+        sure = f'; {self.certificate}' if self.certificate else ''
+        return f'plan {self.id[:8]}: {len(self.path)} subgoals on the path, {self.reason}{sure} [{counts}]'
 
     def with_execution(self, execution: dict) -> 'ContactPlan':
         return replace(self, execution=execution)
@@ -160,6 +163,7 @@ class ContactPlan:
             ],
             'cost': self.cost,
             'execution': self.execution,
+            **({'certificate': self.certificate.to_dict()} if self.certificate else {}),
         }
 
     @classmethod
@@ -203,6 +207,7 @@ class ContactPlan:
                 ),
                 d['cost'],
                 d['execution'],
+                Certificate(**d['certificate']) if d.get('certificate') else None,
             )
             got = d['id']
         except DocumentError:

@@ -55,6 +55,15 @@ class Evaluation:
         """Of the best so far; −1 before there is one."""
         return -1.0 if self.best is None else self.best.success_rate
 
+    def discard_best(self) -> None:
+        """The best is not wanted: a better one is looked for as if there had been none."""
+        self.best, self._last = None, np.inf
+
+    @property
+    def promising(self) -> bool:
+        """Whether the best reaches the target."""
+        return self.success_rate >= self.request.target_success
+
     @property
     def done(self) -> bool:
         """Whether the best is good enough, or was improved upon for long enough, or the time is spent."""

@@ -5,12 +5,13 @@ offered at once. What does not sends the search on, without the leg on which it 
 """
 
 from dataclasses import replace
-from typing import Callable
+from typing import Callable, Iterator, Optional
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.plan import NOT_EXECUTABLE, TIME_SPENT, ContactPlan
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.candidates import RouteSource, route_sources
+from wholearm_ros.planner.certification import Certification
 from wholearm_ros.planner.evaluation import Candidate, Evaluation
 from wholearm_ros.planner.refinement import refine_transitions
 from wholearm_ros.planner.request import PlanRequest, PlanResult
@@ -31,64 +32,93 @@ def plan_and_verify(
     """
     watch = Stopwatch(request.time_budget)
     evaluation = Evaluation(scenario, request, controls, watch)
-    unexecuted: list[ContactPlan] = []  # of each source, the plan at which it ended
+    certification = Certification(scenario, request, controls, watch)
+    result: Optional[PlanResult] = None
+    ended: list[ContactPlan] = []  # of each source, the plan at which its search ended
     for source in route_sources(scenario, request, watch.late):
-        if evaluation.success_rate >= request.target_success or unexecuted and watch.late():
+        for candidate in _promising(source, evaluation, ended, progress):
+            result = _certified(candidate, evaluation, certification)
+            if result or certification.given_up:
+                break
+        if result or certification.given_up or watch.late():
             break
-        unexecuted.append(_try_routes(source, evaluation, progress))
-    if evaluation.best is None or evaluation.success_rate < request.least_success:
-        verification = evaluation.best and evaluation.best.verification
-        return PlanResult(_refusal(unexecuted, evaluation), None, watch.timings, verification)
-    best = refine_transitions(evaluation.best, evaluation)
-    return _result(best, evaluation)
+    best, least = evaluation.best, request.least_success
+    if not (result or certification.given_up) and best is not None and best.success_rate >= least:
+        result = _certified(best, evaluation, certification)
+    return result or _refusal(ended, evaluation, certification)
 
 
-def _try_routes(source: RouteSource, evaluation: Evaluation, progress: Progress) -> ContactPlan:
-    """Try route after route until the evaluation is done or there are no more; returns the last plan."""
+def _promising(
+    source: RouteSource, evaluation: Evaluation, ended: list[ContactPlan], progress: Progress
+) -> Iterator[Candidate]:
+    """The best candidate of route after route as soon as it reaches the target; whoever asks for another did not like it."""
     most = evaluation.tried + evaluation.request.candidates
     with evaluation.watch.stage(PLAN):
         routes = source.open()
         plan = routes.next_plan()
+    ended.append(plan)
     while plan.found and evaluation.tried < most and not evaluation.watch.late():
         executions = source.executions[: most - evaluation.tried]
         failed_leg = evaluation.try_route(plan, executions)
-        if evaluation.done:
-            break
+        if evaluation.done and evaluation.promising:
+            yield evaluation.best
+            evaluation.discard_best()
         rate = max(evaluation.success_rate, 0.0)
         progress(
             f'{evaluation.tried} candidates tried, the best succeeds in {rate:.0%} of its rollouts'
         )
         with evaluation.watch.stage(PLAN):
-            plan = routes.next_plan(failed_leg)
-    return plan
+            ended[-1] = plan = routes.next_plan(failed_leg)
+    if evaluation.promising:
+        yield evaluation.best
+        evaluation.discard_best()
 
 
-def _result(best: Candidate, evaluation: Evaluation) -> PlanResult:
+def _certified(
+    candidate: Candidate, evaluation: Evaluation, certification: Certification
+) -> Optional[PlanResult]:
+    """The candidate, its transitions refined, with its certificate; None when it gets none."""
+    best, request = refine_transitions(candidate, evaluation), evaluation.request
+    plan = best.plan
+    if request.certificate_samples:
+        certificate = certification.certify(best)
+        if certificate is None:
+            return None
+        plan = replace(plan, certificate=certificate)
     record = {
         **best.verification.to_dict(),
-        'level': evaluation.request.level,
+        'level': request.level,
         'candidates_tried': evaluation.tried,
     }
-    trajectory = replace(best.trajectory, plan_id=best.plan.id, verification=record)
-    return PlanResult(best.plan, trajectory, evaluation.watch.timings, best.verification)
+    trajectory = replace(best.trajectory, plan_id=plan.id, verification=record)
+    return PlanResult(plan, trajectory, evaluation.watch.timings, best.verification)
 
 
-def _refusal(ended: list[ContactPlan], evaluation: Evaluation) -> ContactPlan:
+def _refusal(
+    ended: list[ContactPlan], evaluation: Evaluation, certification: Certification
+) -> PlanResult:
     """No plan: the first search's plan without its route, and why nothing is offered."""
-    late, first = evaluation.watch.late(), ended[0]
+    late, first, tried = evaluation.watch.late(), ended[0], evaluation.tried
     searches = '; '.join(dict.fromkeys(plan.reason for plan in ended if not plan.found))
-    if evaluation.tried:
+    if tried:
         outcome = TIME_SPENT if late else NOT_EXECUTABLE
-        reason = f'no route survives: {evaluation.tried} candidates tried; {_shortfall(evaluation)}'
+        reason = (
+            f'no route survives: {tried} candidates tried; {_shortfall(evaluation, certification)}'
+        )
     else:
         outcome, reason = (TIME_SPENT if late else first.outcome), searches
     if late:
         reason = f'the time budget of {evaluation.request.time_budget:g} s is spent: {reason}'
-    return replace(first, outcome=outcome, reason=reason, path=(), legs=(), cost={})
+    plan = replace(first, outcome=outcome, reason=reason, path=(), legs=(), cost={})
+    verification = evaluation.best.verification if evaluation.best else None
+    return PlanResult(plan, None, evaluation.watch.timings, verification)
 
 
-def _shortfall(evaluation: Evaluation) -> str:
+def _shortfall(evaluation: Evaluation, certification: Certification) -> str:
     """What the best candidate lacks."""
+    if certification.best is not None:
+        least = evaluation.request.min_success
+        return f'of the best one, {certification.best}; allowed: at least {least:g} (min_success)'
     if evaluation.best is None:
         return 'no trajectory can be made of any of them'
     verification = evaluation.best.verification

@@ -24,6 +24,10 @@ class PlanRequest:
     still offered when none reached the target; early_stop_success: beyond which nothing better is looked for;
     improvement_budget: candidates to try for a better one after the first that reached the target;
     stress_levels, stress_samples: levels, and samples at each, on which ways to make the transitions are compared.
+
+    certificate_samples, certificate_level: fresh samples on which the chosen candidate is certified, 0 for no certificate;
+    min_success: least lower bound of its success rate with which it is offered; certifications: candidates that may be
+    refused before the search gives up.
     """
 
     search: str = BEST
@@ -41,6 +45,10 @@ class PlanRequest:
     improvement_budget: int = 30
     stress_levels: tuple[float, ...] = (2.0, 3.0)
     stress_samples: int = 4
+    certificate_samples: int = 59
+    certificate_level: float = 1.0
+    min_success: float = 0.8
+    certifications: int = 3
 
 
 @dataclass(frozen=True, eq=False)

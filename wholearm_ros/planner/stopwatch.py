@@ -16,7 +16,11 @@ class Stopwatch:
         self._began = time.monotonic()
 
     def late(self) -> bool:
-        """Whether the budget is spent."""
+        """Whether no further candidate is to be begun: what comes after a search needs a tenth of the budget."""
+        return time.monotonic() - self._began > 0.9 * self.budget
+
+    def over(self) -> bool:
+        """Whether all of the budget is spent."""
         return time.monotonic() - self._began > self.budget
 
     @contextmanager

@@ -1,6 +1,7 @@
 """Perturbed samples of a task, and what they do under the closed loop: forward dynamics with PD and open-loop torque."""
 
 from dataclasses import dataclass
+from typing import Sequence, Union
 
 import numpy as np
 
@@ -37,7 +38,9 @@ class Run:
     residual: float
 
 
-def build_perturbed_samples(scenario: Scenario, count: int, level: float, seed: int) -> tuple:
+def build_perturbed_samples(
+    scenario: Scenario, count: int, level: float, seed: Union[int, Sequence[int]]
+) -> tuple[PerturbedSample, ...]:
     """The nominal sample, and `count` perturbed ones at `level` (see Perturbation), always the same for a seed."""
     rng = np.random.default_rng(seed)
     drawn = (NOMINAL, *(draw_perturbation(rng, level, scenario) for _ in range(count)))

@@ -134,6 +134,8 @@ def _facts(plan, trajectory, run) -> str:
         told['verified'] = (
             f'{verified.get("survived")} of {verified.get("copies")} simulated copies reach the goal'
         )
+    if plan.certificate:
+        told['certificate'] = str(plan.certificate)
     if plan.execution:
         told['execution'] = ', '.join(
             f'{k.replace("_", " ")}: {v}' for k, v in plan.execution.items()

@@ -1,0 +1,57 @@
+"""Certification: a chosen candidate is run on fresh samples of its own, and offered when its bound is good enough."""
+
+from typing import Optional
+
+from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.certificate import Certificate, certificate, lower_bound
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.planner.evaluation import Candidate
+from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planner.stopwatch import VERIFY, Stopwatch
+from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
+from wholearm_ros.rollout.verification import parallel_rollouts
+
+STREAM = 59  # of the random numbers: apart from those of the samples that candidates are chosen on
+
+
+class Certification:
+    """best: the best certificate so far, or None; refused: how many candidates were not good enough."""
+
+    def __init__(
+        self, scenario: Scenario, request: PlanRequest, controls: ControlOptions, watch: Stopwatch
+    ):
+        self.scenario, self.request, self.controls, self.watch = scenario, request, controls, watch
+        self.best: Optional[Certificate] = None
+        self.refused = 0
+
+    @property
+    def given_up(self) -> bool:
+        """Whether so many were refused that no further candidate is tried."""
+        return self.refused >= self.request.certifications
+
+    def certify(self, candidate: Candidate) -> Optional[Certificate]:
+        """Its certificate, or None when its bound is below `min_success`; with every refusal others are drawn next time."""
+        with self.watch.stage(VERIFY):
+            found = self._run(candidate)
+        if self.best is None or found.lower_bound > self.best.lower_bound:
+            self.best = found
+        if found.lower_bound >= self.request.min_success:
+            return found
+        self.refused += 1
+        return None
+
+    def _run(self, candidate: Candidate) -> Certificate:
+        """As many samples as were asked for; fewer when the bound is out of reach or the time is spent."""
+        r, done, survived = self.request, 0, 0
+        samples = build_perturbed_samples(
+            self.scenario,
+            r.certificate_samples,
+            r.certificate_level,
+            (r.seed, STREAM, self.refused),
+        )[1:]
+        for rollout in parallel_rollouts(candidate.trajectory, samples, self.controls):
+            done, survived = done + 1, survived + rollout.success
+            possible = survived + r.certificate_samples - done
+            if lower_bound(r.certificate_samples, possible) < r.min_success or self.watch.over():
+                break
+        return certificate(r.certificate_level, done, survived)
