@@ -29,7 +29,14 @@ def test_rooms_import_only_from_rooms_above_them():
 
 
 @pytest.mark.parametrize(
-    'module', ['planner.planner', 'trajectory.main_trajectory', 'suite.suite', 'cli.main', 'cli.suite_command']
+    'module',
+    [
+        'planner.planner',
+        'trajectory.main_trajectory',
+        'suite.suite',
+        'cli.main',
+        'cli.suite_command',
+    ],
 )
 def test_the_core_does_without_ros_and_pybullet(module):
     ros = ['rclpy', 'std_msgs', 'sensor_msgs', 'rosbags', 'pybullet', 'mujoco', 'launch']

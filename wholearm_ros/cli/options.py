@@ -8,6 +8,7 @@ import typer
 from wholearm_ros.model.choices import Backend, Search, Transition
 
 TIME_BUDGET = 180.0  # [s]
+MIN_SUCCESS = 0.8
 
 
 def _writable(path: Path | None) -> Path | None:
@@ -58,6 +59,15 @@ BudgetOption = Annotated[
     float,
     typer.Option(
         '--time-budget', min=0.0, help='Seconds for planning, verification by simulation included.'
+    ),
+]
+SuccessOption = Annotated[
+    float,
+    typer.Option(
+        '--min-success',
+        min=0.0,
+        max=1.0,
+        help='Least lower bound of the success rate (95 % confidence) with which a plan is offered.',
     ),
 ]
 BackendOption = Annotated[

@@ -1,12 +1,14 @@
 """`wholearm plan`: contact states from start to goal, the trajectory through them, verified."""
 
 from wholearm_ros.cli.options import (
+    MIN_SUCCESS,
     TIME_BUDGET,
     BudgetOption,
     JsonOption,
     ScenarioName,
     SearchOption,
     SeedOption,
+    SuccessOption,
     TransitionOption,
 )
 from wholearm_ros.cli.output import finish, write_text
@@ -21,6 +23,7 @@ def plan(
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
+    min_success: SuccessOption = MIN_SUCCESS,
     json_out: JsonOption = None,
 ) -> None:
     """Plan a scenario: contact states from start to goal, the trajectory through them, verified.
@@ -28,7 +31,11 @@ def plan(
     Example: wholearm plan asymmetric_hexagon --seed 1 --json plan.json
     """
     request = PlanRequest(
-        search=search.value, seed=seed, transition=transition.value, time_budget=time_budget
+        search=search.value,
+        seed=seed,
+        transition=transition.value,
+        time_budget=time_budget,
+        min_success=min_success,
     )
     result = plan_scenario(scenario, request)
     if json_out:

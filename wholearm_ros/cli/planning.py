@@ -42,6 +42,8 @@ def print_plan(result: PlanResult) -> None:
             f'{survived["survived"]} of {survived["copies"]} simulated samples reach the goal',
             soft_wrap=True,
         )
+        if plan.certificate is not None:
+            print_plain(f'certificate: {plan.certificate}')
         print_plain(f'id {plan.id}; {plan.reason}')
     counts = [f'{value} {name.replace("_", " ")}' for name, value in plan.counts.items()]
     times = [f'{k.removesuffix("_ms")} {v:.0f} ms' for k, v in result.timings.items()]

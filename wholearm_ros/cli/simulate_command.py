@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 from wholearm_ros.cli.options import (
+    MIN_SUCCESS,
     TIME_BUDGET,
     BackendOption,
     BudgetOption,
@@ -14,6 +15,7 @@ from wholearm_ros.cli.options import (
     PerturbOption,
     SearchOption,
     SeedOption,
+    SuccessOption,
     TransitionOption,
     ViewOption,
     output_file,
@@ -40,6 +42,7 @@ def simulate(
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
+    min_success: SuccessOption = MIN_SUCCESS,
     backend: BackendOption = Backend.pybullet,
     rate: Annotated[
         float, typer.Option('--rate', min=50.0, max=10000.0, help='Control rate in Hz.')
@@ -59,7 +62,11 @@ def simulate(
         plan, trajectory = planned
     else:
         request = PlanRequest(
-            search=search.value, seed=seed, transition=transition.value, time_budget=time_budget
+            search=search.value,
+            seed=seed,
+            transition=transition.value,
+            time_budget=time_budget,
+            min_success=min_success,
         )
         result = plan_scenario(source, request)
         if result.trajectory is None:

@@ -7,6 +7,7 @@ import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from wholearm_ros.cli.options import (
+    MIN_SUCCESS,
     TIME_BUDGET,
     BackendOption,
     BudgetOption,
@@ -14,6 +15,7 @@ from wholearm_ros.cli.options import (
     PerturbOption,
     SearchOption,
     SeedOption,
+    SuccessOption,
     TransitionOption,
 )
 from wholearm_ros.cli.output import err, finish, print_plain, write_json
@@ -48,6 +50,7 @@ def suite(
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
+    min_success: SuccessOption = MIN_SUCCESS,
     backend: BackendOption = Backend.pybullet,
     json_out: JsonOption = None,
 ) -> None:
@@ -63,6 +66,7 @@ def suite(
         search=search.value,
         transition=transition.value,
         time_budget=time_budget,
+        min_success=min_success,
         backend=backend.value,
     )
     results = _run_with_progress(tasks, options, jobs, scheduler)

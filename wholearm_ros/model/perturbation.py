@@ -1,7 +1,6 @@
 """What may truly be different from what the planner was told."""
 
 from dataclasses import dataclass, field, replace
-from typing import Optional
 
 import numpy as np
 
@@ -31,7 +30,7 @@ class Perturbation:
     right; encoder_noise [rad], velocity_noise [rad/s]: standard deviations; noise_seed: of the readings."""
 
     mass_factor: float = 1.0
-    vertex_offsets: Optional[np.ndarray] = None
+    vertex_offsets: np.ndarray | None = None
     friction: float = 0.0
     actuation_delay: float = 0.0
     torque_factors: np.ndarray = field(default_factory=lambda: np.ones(2))

@@ -4,7 +4,6 @@ import json
 import uuid
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Optional
 
 import numpy as np
 
@@ -92,7 +91,7 @@ class ContactPlan:
     legs: tuple = ()
     cost: dict = field(default_factory=dict)
     execution: dict = field(default_factory=dict)
-    certificate: Optional[Certificate] = None
+    certificate: Certificate | None = None
 
     @property
     def found(self) -> bool:

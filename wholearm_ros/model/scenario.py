@@ -1,7 +1,6 @@
 """One task: the object, the hand, gravity, where it starts and where it shall rest."""
 
 from dataclasses import dataclass
-from typing import Optional, Union
 
 import numpy as np
 
@@ -70,8 +69,8 @@ class GoalOnEdge:
 
     edge: int
     direction: str
-    x: Optional[float] = None
-    x_tolerance: Optional[float] = None
+    x: float | None = None
+    x_tolerance: float | None = None
 
     def mirrored(self, edges: int) -> 'GoalOnEdge':
         x = None if self.x is None else -self.x
@@ -103,8 +102,8 @@ class Scenario:
     hand: Hand
     palm: Palm
     gravity: Gravity
-    start: Union[StartOnEdge, StartAtPose]
-    goal: Union[GoalOnEdge, GoalAtPose]
+    start: StartOnEdge | StartAtPose
+    goal: GoalOnEdge | GoalAtPose
     name: str = ''
 
     def mirrored(self) -> 'Scenario':

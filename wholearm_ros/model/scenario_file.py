@@ -1,7 +1,7 @@
 """Scenario files: YAML or JSON in, a Scenario out, every problem told at once."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Mapping, Union
 
 import numpy as np
 from pydantic import ValidationError
@@ -30,7 +30,7 @@ from wholearm_ros.model.yaml_text import read_mapping
 from wholearm_ros.package_share import scenario_path
 
 
-def load_scenario(path: Union[str, Path]) -> Scenario:
+def load_scenario(path: str | Path) -> Scenario:
     """The scenario in the YAML or JSON file at `path`, or a shipped one by its name.
 
     Raises ScenarioError that lists every problem found.

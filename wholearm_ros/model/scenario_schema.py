@@ -1,6 +1,6 @@
 """The keys of a scenario file and what each may hold (pydantic models, used by scenario_file.py only)."""
 
-from typing import Annotated, Any, Literal, Optional, Union
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
@@ -65,8 +65,8 @@ class StartAtPoseTable(_Table):
 class GoalOnEdgeTable(_Table):
     edge: Edge
     direction: Literal['ccw', 'cw']
-    x: Optional[Coordinate] = None
-    x_tolerance: Optional[Positive] = None
+    x: Coordinate | None = None
+    x_tolerance: Positive | None = None
 
 
 class GoalAtPoseTable(_Table):
@@ -89,10 +89,10 @@ class ScenarioTable(_Table):
     palm: PalmTable
     gravity: GravityTable
     start: Annotated[
-        Union[Annotated[StartOnEdgeTable, Tag(ON_EDGE)], Annotated[StartAtPoseTable, Tag(AT_POSE)]],
+        Annotated[StartOnEdgeTable, Tag(ON_EDGE)] | Annotated[StartAtPoseTable, Tag(AT_POSE)],
         Discriminator(_kind),
     ]
     goal: Annotated[
-        Union[Annotated[GoalOnEdgeTable, Tag(ON_EDGE)], Annotated[GoalAtPoseTable, Tag(AT_POSE)]],
+        Annotated[GoalOnEdgeTable, Tag(ON_EDGE)] | Annotated[GoalAtPoseTable, Tag(AT_POSE)],
         Discriminator(_kind),
     ]

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import dataclass, field
-from typing import Optional
 
 import numpy as np
 
@@ -66,7 +65,7 @@ class ManipulationTrajectory:
     poses: np.ndarray
     segments: tuple
     transitions: tuple = ()
-    verification: Optional[dict] = None
+    verification: dict | None = None
     notes: dict = field(default_factory=dict)
 
     def __post_init__(self):

@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Union
 
 import yaml
 
@@ -41,12 +40,12 @@ _StrictLoader.add_implicit_resolver(
 )
 
 
-def read_mapping(path: Union[str, Path]) -> dict:
+def read_mapping(path: str | Path) -> dict:
     """The table in the file at `path`; raises ScenarioError."""
     return parse_mapping(read_text(path), str(path))
 
 
-def read_text(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> str:
+def read_text(path: str | Path, max_bytes: int = MAX_BYTES) -> str:
     """The file's text; raises ScenarioError when it cannot be read, is larger than allowed or not UTF-8."""
     path = Path(path)
     try:

@@ -63,6 +63,14 @@ DECLARED = (
         3600.0,
         read_only=False,
     ),
+    Declared(
+        'min_success',
+        PlanRequest.min_success,
+        'least lower bound of the success rate with which a plan is offered',
+        0.0,
+        1.0,
+        read_only=False,
+    ),
 )
 TOLERANCE = np.array(
     [0.01, 0.005, 0.03]
@@ -169,6 +177,7 @@ class ContactStatePlanner(WholeArmNode):
                 'seed': plan.seed,
                 **result.timings,
                 **plan.counts,
+                **_certificate_values(plan),
             },
         )
         return found, plan.summary(), plan if found else None
@@ -176,7 +185,11 @@ class ContactStatePlanner(WholeArmNode):
     def request(self) -> PlanRequest:
         p = self.parameters
         return PlanRequest(
-            search=p.search, seed=p.seed, transition=p.transition, time_budget=p.time_budget
+            search=p.search,
+            seed=p.seed,
+            transition=p.transition,
+            time_budget=p.time_budget,
+            min_success=p.min_success,
         )
 
     def tell(self, level, message, values=None):
@@ -188,6 +201,14 @@ class ContactStatePlanner(WholeArmNode):
 
     def health(self):
         return OK, 'planning' if self.busy else 'ready', {'plans': self.planned}
+
+
+def _certificate_values(plan) -> dict:
+    """For the status: how surely the plan succeeds."""
+    if plan.certificate is None:
+        return {}
+    values = plan.certificate.to_dict()
+    return {f'certificate {name.replace("_", " ")}': value for name, value in values.items()}
 
 
 def main():

@@ -1,9 +1,9 @@
 """Candidates: the routes of a task, and the ways in which each may be executed."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Callable, Iterator
 
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import DWELL, DYNAMIC

@@ -1,7 +1,5 @@
 """Certification: a chosen candidate is run on fresh samples of its own, and offered when its bound is good enough."""
 
-from typing import Optional
-
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.certificate import Certificate, certificate, lower_bound
 from wholearm_ros.model.scenario import Scenario
@@ -21,7 +19,7 @@ class Certification:
         self, scenario: Scenario, request: PlanRequest, controls: ControlOptions, watch: Stopwatch
     ):
         self.scenario, self.request, self.controls, self.watch = scenario, request, controls, watch
-        self.best: Optional[Certificate] = None
+        self.best: Certificate | None = None
         self.refused = 0
 
     @property
@@ -29,7 +27,7 @@ class Certification:
         """Whether so many were refused that no further candidate is tried."""
         return self.refused >= self.request.certifications
 
-    def certify(self, candidate: Candidate) -> Optional[Certificate]:
+    def certify(self, candidate: Candidate) -> Certificate | None:
         """Its certificate, or None when its bound is below `min_success`; with every refusal others are drawn next time."""
         with self.watch.stage(VERIFY):
             found = self._run(candidate)

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Optional
 
 import numpy as np
 
@@ -45,7 +44,7 @@ class Evaluation:
         watch: Stopwatch,
     ):
         self.scenario, self.request, self.controls, self.watch = scenario, request, controls, watch
-        self.best: Optional[Candidate] = None
+        self.best: Candidate | None = None
         self.tried = 0
         self._last = np.inf  # number of the candidate after which nothing better is looked for
         self._failures = np.zeros(request.samples + 1, int)  # by sample, of all candidates
@@ -93,7 +92,7 @@ class Evaluation:
                 break
         return max(set(failed_legs), key=failed_legs.count)
 
-    def _try(self, plan: ContactPlan, options: ExecutionOptions) -> Optional[Candidate]:
+    def _try(self, plan: ContactPlan, options: ExecutionOptions) -> Candidate | None:
         """One candidate, kept when it is the best; None when no trajectory can be made of it."""
         self.tried += 1
         try:

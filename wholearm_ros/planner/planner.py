@@ -4,8 +4,8 @@ Routes come best first. Each is tried in a few ways; what succeeds in the nomina
 offered at once. What does not sends the search on, without the leg on which it failed.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Callable, Iterator, Optional
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.plan import NOT_EXECUTABLE, TIME_SPENT, ContactPlan
@@ -33,7 +33,7 @@ def plan_and_verify(
     watch = Stopwatch(request.time_budget)
     evaluation = Evaluation(scenario, request, controls, watch)
     certification = Certification(scenario, request, controls, watch)
-    result: Optional[PlanResult] = None
+    result: PlanResult | None = None
     ended: list[ContactPlan] = []  # of each source, the plan at which its search ended
     for source in route_sources(scenario, request, watch.late):
         for candidate in _promising(source, evaluation, ended, progress):
@@ -76,7 +76,7 @@ def _promising(
 
 def _certified(
     candidate: Candidate, evaluation: Evaluation, certification: Certification
-) -> Optional[PlanResult]:
+) -> PlanResult | None:
     """The candidate, its transitions refined, with its certificate; None when it gets none."""
     best, request = refine_transitions(candidate, evaluation), evaluation.request
     plan = best.plan

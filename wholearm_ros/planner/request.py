@@ -1,7 +1,6 @@
 """A verified planning call: what is asked for, and what is answered."""
 
 from dataclasses import dataclass
-from typing import Optional
 
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
@@ -57,6 +56,6 @@ class PlanResult:
     timings: plan_ms, generate_ms, verify_ms; verification: of the trajectory, or of the best one that was not good enough."""
 
     plan: ContactPlan
-    trajectory: Optional[ManipulationTrajectory]
+    trajectory: ManipulationTrajectory | None
     timings: dict[str, float]
-    verification: Optional[Verification] = None
+    verification: Verification | None = None

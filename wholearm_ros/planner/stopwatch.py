@@ -1,8 +1,8 @@
 """Time: milliseconds spent in each stage of a planning call, and when its budget is spent."""
 
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Iterator
 
 PLAN, GENERATE, VERIFY = 'plan_ms', 'generate_ms', 'verify_ms'
 

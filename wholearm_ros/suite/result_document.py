@@ -26,6 +26,7 @@ def suite_document(
         'search': options.search,
         'transition': options.transition,
         'time_budget': options.time_budget,
+        'min_success': options.min_success,
         'backend': options.backend,
         'rate': options.rate,
         'summary': summary,

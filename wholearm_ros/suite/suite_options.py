@@ -11,7 +11,7 @@ class SuiteOptions:
     """Options of planning, of the perturbations and of the simulated hand.
 
     seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed runs a task;
-    search, transition, candidates, moves, time_budget [s]: of the planning request; backend, rate [Hz]: of the hand.
+    search, transition, candidates, moves, time_budget [s], min_success: of the planning request; backend, rate [Hz]: of the hand.
     """
 
     seed: int = 0
@@ -22,6 +22,7 @@ class SuiteOptions:
     candidates: int = PlanRequest.candidates
     moves: int = PlanRequest.moves
     time_budget: float = PlanRequest.time_budget
+    min_success: float = PlanRequest.min_success
     backend: str = 'pybullet'
     rate: float = 1000.0
     controls: ControlOptions = field(default_factory=ControlOptions)
@@ -35,4 +36,5 @@ class SuiteOptions:
             candidates=self.candidates,
             moves=self.moves,
             time_budget=self.time_budget,
+            min_success=self.min_success,
         )

@@ -46,6 +46,7 @@ def _empty(name: str) -> Result:
         'subgoals': 0,
         'path_length': 0,
         'modes': {},
+        'certificate': None,
         'executed': False,
         'final_pose': None,
         'motion': None,
@@ -82,6 +83,7 @@ def _of_plan(plan: ContactPlan, trajectory: ManipulationTrajectory | None) -> Re
         'subgoals': len(plan.subgoals),
         'path_length': len(plan.path),
         'modes': trajectory.time_in_modes() if trajectory is not None else {},
+        'certificate': plan.certificate.to_dict() if plan.certificate is not None else None,
     }
 
 
