@@ -25,7 +25,6 @@ CORE = [
     'numba~=0.61',
     'pydantic~=2.5',
     'pyyaml~=6.0',
-    'quantecon~=0.8',
     'matplotlib~=3.8',
     'pillow>=10.1',
     'plotly>=6,<8',

@@ -6,14 +6,15 @@ from problems import ASYMMETRIC, HEPTAGON, REGULAR
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import DocumentError
+from wholearm_ros.kernels.rollout import Start
 from wholearm_ros.mechanics.contacts import gap_table, start_configuration
 from wholearm_ros.mechanics.mirror import mirror_configurations
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.rollout.initial_state import perturbed_start
-from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples, follow_setpoints
-from wholearm_ros.rollout.primitive_rollout import PERIOD, Rest, simulate_primitive
+from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples, follow_course
+from wholearm_ros.rollout.primitive_rollout import Rest, simulate_primitive
 
 MOVES = pytest.mark.parametrize(
     'move',
@@ -98,18 +99,8 @@ def test_setpoints_of_a_move_begin_where_it_begins_and_lead_the_plan_to_its_end(
     np.testing.assert_array_equal(angles[0], start.q[3:])
     assert (velocities[0] == 0.0).all() and (velocities[-1] == 0.0).all()
     (nominal,) = build_perturbed_samples(ASYMMETRIC, 0, 1.0, 0)
-    run = follow_setpoints(
-        nominal,
-        start.q,
-        np.zeros(5),
-        PERIOD,
-        angles,
-        velocities,
-        efforts,
-        np.zeros(len(angles), int),
-        ControlOptions().gains,
-        settle=0.2,
-    )
+    begin = Start(start.q, np.zeros(5), start.efforts, False, -1)
+    run = follow_course(nominal, record.course(start), begin, ControlOptions(), settle=0.2)
     assert run.residual <= 1e-9
     assert (np.abs(run.q[:3] - record.configurations[-1, :3]) < [2e-3, 2e-3, 2e-2]).all()
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from problems import ASYMMETRIC
 
+from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
-from wholearm_ros.rollout.verification import Rollout, Verification, velocity_fingers, verify
+from wholearm_ros.rollout.verification import Rollout, Verification, verify
 
 COPIES = build_perturbed_samples(ASYMMETRIC, 4, 1.0, 0)
 NOMINAL = COPIES[:1]
@@ -54,8 +55,8 @@ def test_the_nominal_run_keeps_to_the_planned_poses(trajectory):
 def test_a_torque_far_out_of_range_fails(trajectory, wrong):
     """The torque finger's effort off by 3 N m all along: what was planned does not happen."""
     efforts = trajectory.efforts.copy()
-    sides = velocity_fingers(trajectory)
-    efforts[np.arange(len(sides)), 1 - sides] += wrong
+    sides = np.array([trajectory.segment_at(t).torque_finger for t in trajectory.times])
+    efforts[np.arange(len(sides)), sides] += wrong
     found = verify(replace(trajectory, efforts=efforts), NOMINAL)
     assert found.success_rate == 0.0 and found.reasons() and found.nominal.residual <= 1e-9
 
@@ -81,7 +82,14 @@ def test_rollouts_that_were_not_run_count_as_failed():
     assert Verification((good, good), 4).success_rate == 0.5
 
 
-def test_the_velocity_finger_of_every_sample_is_that_of_its_segment(trajectory):
-    sides = velocity_fingers(trajectory)
-    for k, t in enumerate(trajectory.times[:-1]):
-        assert sides[k] == trajectory.segment_at(t + 1e-9).velocity_finger
+def test_a_run_whose_finger_meets_an_end_stop_that_the_plan_does_not_use_has_failed(trajectory):
+    """The torque finger opens with 1 N m instead of holding the object: it comes to bear on its open stop, and stays there."""
+    efforts = trajectory.efforts.copy()
+    for k, t in enumerate(trajectory.times):
+        side = trajectory.segment_at(t).torque_finger
+        efforts[k, side] -= CLOSING[side]
+    nominal = verify(replace(trajectory, efforts=efforts), NOMINAL).nominal
+    assert 'end stop' in nominal.reason and not nominal.success
+    limits = NOMINAL[0].world.limits
+    angles = nominal.configurations[:, 3:]
+    assert (angles > limits[:, 0] - 1e-6).all() and (angles < limits[:, 1] + 1e-6).all()

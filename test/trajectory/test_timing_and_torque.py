@@ -6,15 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from wholearm_ros.kernels.slew import held_within, slew_limited
+from wholearm_ros.kernels.interpolation import held_within, slew_limited
 from wholearm_ros.model.hand import LEFT, RIGHT
+from wholearm_ros.model.interpolation import quintic
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
 from wholearm_ros.trajectory.get_torque import quasi_static_torque
 from wholearm_ros.trajectory.timing import (
     PEAK_ACCELERATION,
     PEAK_SPEED,
     SHORTEST,
-    quintic,
     stroke_duration,
 )
 

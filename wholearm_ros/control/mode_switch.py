@@ -12,6 +12,7 @@ from wholearm_ros.control.setpoints import (
     VelocitySetpoint,
     readonly_pair,
 )
+from wholearm_ros.model.interpolation import fade
 from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
 
 IDLE, DONE, STOPPED = 'idle', 'done', 'stopped'
@@ -161,21 +162,13 @@ class ModeSwitch:
         sample = self.trajectory.sample(state.elapsed)
         v = state.velocity_finger
         span = self.options.ramp if state.handed_over == state.began else self.options.handover
-        fade, fade_rate = _fade(now - state.handed_over, span)
-        ramp = 1.0 - _fade(now - state.began, self.options.ramp)[0]
+        fading, fading_rate = fade(now - state.handed_over, span)
+        ramp = 1.0 - fade(now - state.began, self.options.ramp)[0]
         efforts = state.first_efforts + ramp * (sample.efforts - state.first_efforts)
         motion = VelocitySetpoint(
             v,
-            float(sample.angles[v] + state.offset * fade),
-            float(sample.velocities[v] + state.offset * fade_rate),
+            float(sample.angles[v] + state.offset * fading),
+            float(sample.velocities[v] + state.offset * fading_rate),
             float(efforts[v]),
         )
         return motion, TorqueSetpoint(1 - v, float(efforts[1 - v]))
-
-
-def _fade(t: float, span: float) -> Tuple[float, float]:
-    """1 at t = 0, 0 from t = span on, by a fifth-order polynomial at rest at both ends; and its rate [1/s]."""
-    if t >= span:
-        return 0.0, 0.0
-    u = max(t, 0.0) / span
-    return 1.0 - u**3 * (10.0 - 15.0 * u + 6.0 * u * u), -30.0 * (u * (1.0 - u)) ** 2 / span

@@ -1,8 +1,7 @@
 """The torque controller: the planned torque, open loop, its rate of change limited."""
 
-import math
-
 from wholearm_ros.control.setpoints import TorqueSetpoint
+from wholearm_ros.kernels.control_law import slewed_effort
 from wholearm_ros.model.hand import Finger
 
 
@@ -11,7 +10,4 @@ def torque_effort(
 ) -> float:
     """Motor torque [N m]: the setpoint within the finger's limit, at most `slew_limit` [N m/s] · `dt` [s] away from
     `previous_effort` [N m]. A setpoint that is not finite leaves the effort where it was."""
-    wanted = setpoint.effort if math.isfinite(setpoint.effort) else previous_effort
-    step = slew_limit * dt
-    effort = max(previous_effort - step, min(previous_effort + step, wanted))
-    return max(-finger.torque_limit, min(finger.torque_limit, effort))
+    return slewed_effort(finger.torque_limit, slew_limit * dt, setpoint.effort, previous_effort)

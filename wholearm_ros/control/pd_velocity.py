@@ -1,8 +1,7 @@
 """The velocity controller: PD feedback on the planned motion, with the equilibrium torque fed forward."""
 
-import math
-
 from wholearm_ros.control.setpoints import PdGains, VelocitySetpoint
+from wholearm_ros.kernels.control_law import pd_effort
 from wholearm_ros.model.hand import Finger
 
 
@@ -13,11 +12,4 @@ def velocity_effort(
 
     Zero when a measurement is not finite: without a reading, feedback can only do harm.
     """
-    effort = (
-        setpoint.feedforward
-        + gains.kp * (setpoint.angle - angle)
-        + gains.kd * (setpoint.velocity - velocity)
-    )
-    if not math.isfinite(effort):
-        return 0.0
-    return max(-finger.torque_limit, min(finger.torque_limit, effort))
+    return pd_effort(gains, finger.torque_limit, setpoint, angle, velocity)

@@ -4,26 +4,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from wholearm_ros.kernels.control_law import ControlLaw, PdGains, TorqueSetpoint, VelocitySetpoint
 from wholearm_ros.model.arrays import readonly
 
-
-@dataclass(frozen=True)
-class VelocitySetpoint:
-    """Motion of the velocity-controlled finger. joint: LEFT or RIGHT; angle [rad], velocity [rad/s],
-    feedforward: equilibrium torque [N m], gravity included."""
-
-    joint: int
-    angle: float
-    velocity: float
-    feedforward: float
-
-
-@dataclass(frozen=True)
-class TorqueSetpoint:
-    """Torque of the torque-controlled finger. joint: LEFT or RIGHT; effort [N m], gravity included."""
-
-    joint: int
-    effort: float
+__all__ = [
+    'ControlOptions',
+    'Joints',
+    'PdGains',
+    'TorqueSetpoint',
+    'VelocitySetpoint',
+    'readonly_pair',
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +39,6 @@ class Joints:
 
 
 @dataclass(frozen=True)
-class PdGains:
-    """kp [N m/rad], kd [N m s/rad]."""
-
-    kp: float
-    kd: float
-
-
-@dataclass(frozen=True)
 class ControlOptions:
     """Everything that may be tuned in control; the defaults are the ones in config/control.yaml.
 
@@ -73,6 +56,17 @@ class ControlOptions:
     handover: float = 0.1
     max_tracking_error: float = 0.25
     stale_after: float = 0.1
+
+    def law(self, period: float) -> ControlLaw:
+        """What of it a compiled rollout obeys; period [s]: of control."""
+        return ControlLaw(
+            self.gains,
+            self.slew_limit,
+            self.ramp,
+            self.handover,
+            self.max_tracking_error,
+            period,
+        )
 
 
 def readonly_pair(values) -> np.ndarray:

@@ -8,7 +8,13 @@ from wholearm_ros.kernels import kernel
 @kernel
 def solve_in_place(a, b):
     """Gaussian elimination with row pivoting: b ← a⁻¹ b, a is destroyed. b: (n, m). Returns the smallest over the largest pivot."""
-    n, m = b.shape
+    return solve_leading(a, b, b.shape[0])
+
+
+@kernel
+def solve_leading(a, b, n):
+    """The same of the first n rows and columns of a, and rows of b, only."""
+    m = b.shape[1]
     smallest, largest = np.inf, 0.0
     for k in range(n):
         p = k

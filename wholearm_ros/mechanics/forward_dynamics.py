@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wholearm_ros.errors import SolverError
-from wholearm_ros.kernels import statics, time_stepping
+from wholearm_ros.kernels import statics
+from wholearm_ros.kernels.lcp import solve_lcp
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.world import World
 
@@ -83,8 +84,8 @@ def solve_forward_dynamics(problem: ForwardDynamics) -> ForwardDynamicsSolution:
     """Forces and accelerations. Raises SolverError when the complementarity is not met to RESIDUAL_TOLERANCE."""
     n = len(problem.b)
     forces = np.zeros(n)
-    time_stepping.solve_lcp(
-        problem.N, problem.response.T.copy(), problem.b, np.ones(n, dtype=np.bool_), forces
+    solve_lcp(
+        problem.N, problem.response.T.copy(), problem.b, np.ones(n, dtype=np.bool_), forces, n
     )
     answer = ForwardDynamicsSolution(
         problem, forces, problem.free + problem.response @ forces, problem.A @ forces + problem.b

@@ -1,40 +1,14 @@
 """A scenario as the arrays that the kernels work on."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from wholearm_ros.kernels.world import World
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.scenario import Scenario
 
 LENGTH_PER_RADIAN = (
     2.0 / 3.0
 )  # of a finger: the length that counts as much as 1 rad where configurations are compared
-
-
-@dataclass(frozen=True, eq=False)
-class World:
-    """obj (n, 5), palm (p, 5) [m]: vertices, and normal and length of the edge that starts at each (see kernels/geometry); fingers (2, 4) [m] (axis, length, half width),
-    corners (c,) palm vertices that can touch an object edge, scale (5,), limits (2, 2) [rad],
-    load (5,) = (−g_O, ·) whose finger entries `load_at` fills in [N, N m], finger_moment (2,) [N m] = m g L / 2,
-    inertias (5,) [kg, kg, kg m², …], torque_limits (2,) [N m].
-    """
-
-    obj: np.ndarray
-    palm: np.ndarray
-    fingers: np.ndarray
-    corners: np.ndarray
-    scale: np.ndarray
-    limits: np.ndarray
-    load: np.ndarray
-    finger_moment: np.ndarray
-    inertias: np.ndarray
-    torque_limits: np.ndarray
-
-    @property
-    def geometry(self) -> tuple:
-        """The first arguments of every geometry kernel."""
-        return self.obj, self.palm, self.fingers
 
 
 def build_world(scenario: Scenario) -> World:

@@ -8,6 +8,7 @@ import numpy as np
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.hand import JOINT_NAMES, SIDES
+from wholearm_ros.model.interpolation import hermite
 
 FORMAT = 'wholearm-trajectory/1'
 QUASI_STATIC, DWELL, DYNAMIC, CAGING = 'quasi_static', 'dwell', 'dynamic', 'caging'
@@ -97,19 +98,9 @@ class ManipulationTrajectory:
         last = len(self.angles) - 1
         s = min(max(t / self.period, 0.0), float(last))
         i = min(int(s), last - 1)
-        u, h = s - i, self.period
-        p0, p1, v0, v1 = (
-            self.angles[i],
-            self.angles[i + 1],
-            self.velocities[i],
-            self.velocities[i + 1],
-        )
-        angles = (
-            p0 * ((1 + 2 * u) * (1 - u) ** 2)
-            + p1 * (u * u * (3 - 2 * u))
-            + h * v0 * (u * (1 - u) ** 2)
-            + h * v1 * (u * u * (u - 1))
-        )
+        u = s - i
+        v0, v1 = self.velocities[i], self.velocities[i + 1]
+        angles = hermite(self.angles[i], self.angles[i + 1], v0, v1, self.period, u)
         held = t < 0.0 or t > self.duration
         velocities = np.zeros(2) if held else (1 - u) * v0 + u * v1
         efforts = (1 - u) * self.efforts[i] + u * self.efforts[i + 1]

@@ -15,6 +15,7 @@ from typing import Callable
 import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.kernels.rollout import Start
 from wholearm_ros.mechanics.contacts import closed_pairs, four_contact_subsets, pair_name
 from wholearm_ros.mechanics.quasistatic import build_quasistatics
 from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
@@ -25,8 +26,8 @@ from wholearm_ros.model.trajectory import CAGING, DYNAMIC
 from wholearm_ros.planning.caging_descent import caging_descent
 from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.rollout.parallel import parallel_map
-from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples, follow_setpoints
-from wholearm_ros.rollout.primitive_rollout import PERIOD, PrimitiveRecord, Rest, simulate_primitive
+from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples, follow_course
+from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest, simulate_primitive
 
 SWEEP = 0.9  # [rad]
 STOP_EVERY = 0.1  # [rad] along a sweep
@@ -98,7 +99,11 @@ class PrimitiveTree:
             and not self.task.hopeless(record.configurations[-1])
         ):
             (record,) = self._simulate(before.rest, [replace(move, settle=LONG_SETTLE)])
-        if not record.at_rest or self.task.hopeless(record.configurations[-1]):
+        if (
+            not record.at_rest
+            or record.stops_met.any()
+            or self.task.hopeless(record.configurations[-1])
+        ):
             return None
         cell = self._cell(record.configurations[-1])
         if cell in self._seen:
@@ -223,29 +228,25 @@ class PrimitiveTree:
 
     def _led(self, before, record):
         """The particles after the move, or None when they do not agree with the plan."""
-        angles, velocities, efforts = record.setpoints(before.rest)
-        sides = np.full(len(angles), record.move.velocity_finger)
+        course = record.course(before.rest)
+        finger = -1 if before.record is None else before.record.move.velocity_finger
         after = []
 
         def lead(k):
-            return follow_setpoints(
-                self._copies[k],
-                *before.copies[k],
-                PERIOD,
-                angles,
-                velocities,
-                efforts,
-                sides,
-                self._controls.gains,
-            )
+            q, v = before.copies[k]
+            start = Start(q, v, before.rest.efforts, False, finger)
+            return follow_course(self._copies[k], course, start, self._controls)
 
         for copy, run in zip(self._copies, parallel_map(lead, range(len(self._copies)))):
             self.simulated += 1
             turn = copy.goal.rotation - self._copies[0].goal.rotation
             difference = np.abs(run.q[:3] - record.configurations[-1, :3] - [0.0, 0.0, turn])
-            if (difference / self.task.world.scale[:3] > SPREAD).any() or np.abs(
-                run.v / self.task.world.scale
-            ).max() > STILL:
+            if (
+                run.stopped
+                or run.stops_met.any()
+                or (difference / self.task.world.scale[:3] > SPREAD).any()
+                or np.abs(run.v / self.task.world.scale).max() > STILL
+            ):
                 return None
             after.append((run.q, run.v))
         return tuple(after)

@@ -73,14 +73,14 @@ class PlanningProblem:
         return bool(self.cages) and self.cages[-1].landing >= self.goal.rotation - FLAT
 
     def hopeless(self, q: np.ndarray) -> bool:
-        """Whether nothing good comes of q (5,): out of reach, turned too far, or a finger beyond its limits."""
+        """Whether nothing good comes of q (5,): out of reach, turned too far, or a finger at an end stop."""
         limits = self.world.limits
         return bool(
             not self.reach.left <= q[0] <= self.reach.right
             or q[1] > self.reach.top
             or q[2] > self.goal.rotation + TOO_FAR
-            or (q[3:] < limits[:, 0]).any()
-            or (q[3:] > limits[:, 1]).any()
+            or (q[3:] <= limits[:, 0]).any()
+            or (q[3:] >= limits[:, 1]).any()
         )
 
     def cage_at(self, angle: float) -> Cage:

@@ -5,12 +5,15 @@ from typing import Sequence, Union
 
 import numpy as np
 
-from wholearm_ros.control.setpoints import PdGains
-from wholearm_ros.kernels import time_stepping
+from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.kernels.rollout import Course, Plant, Record, Start, run_trajectory
 from wholearm_ros.mechanics.world import World, build_world
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.configuration import JOINTS, SIZE
 from wholearm_ros.model.goal import GoalRegion, goal_region
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.initial_state import perturbed_start
 
 STEP = 0.001  # [s]
@@ -29,13 +32,19 @@ class PerturbedSample:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """times (r,) [s], configurations (r, 5); q, v (5,) at the end; the largest residual of the LCPs [m/s]."""
+    """times (r,) [s], configurations (r, 5); q, v (5,) at the end; the largest residual of the LCPs [m/s];
+    stops_met: (2, 2) bool, whether the left and the right finger came to bear on its low and high end stop;
+    stopped: the tracking error [rad] on which the run stopped, 0 when it did not; commands: (c, 2) [N m] of the first periods.
+    """
 
     times: np.ndarray
     configurations: np.ndarray
     q: np.ndarray
     v: np.ndarray
     residual: float
+    stops_met: np.ndarray
+    stopped: float
+    commands: np.ndarray
 
 
 def build_perturbed_samples(
@@ -55,49 +64,73 @@ def _sample(scenario, perturbation):
     )
 
 
-def follow_setpoints(
-    sample: PerturbedSample,
-    q: np.ndarray,
-    v: np.ndarray,
-    period: float,
-    angles: np.ndarray,
-    velocities: np.ndarray,
-    efforts: np.ndarray,
-    velocity_fingers: np.ndarray,
-    gains: PdGains,
-    settle: float = 0.0,
-) -> Run:
-    """What a sample does from q, v (5,) when its fingers track angles, velocities, efforts (m, 2), given every `period` [s].
-
-    velocity_fingers: (m,) the velocity-controlled finger from each sample on; settle [s]: of holding the last one.
-    """
-    w, p = sample.world, sample.perturbation
-    size = int((period * (len(angles) - 1) + settle) / RECORD_EVERY) + 4
-    q, v = np.array(q, dtype=float), np.array(v, dtype=float)
-    qs, vs = np.empty((size, 5)), np.empty((size, 5))
-    count, residual = time_stepping.run_trajectory(
-        *w.geometry,
-        w.corners,
-        w.inertias,
-        w.load,
-        w.finger_moment,
-        w.torque_limits,
-        p.friction,
-        p.torque_factors,
-        int(round(p.actuation_delay / STEP)),
-        gains.kp,
-        gains.kd,
-        STEP,
-        period,
-        angles,
-        velocities,
-        efforts,
-        velocity_fingers,
-        int(round(settle / STEP)),
-        q,
-        v,
-        int(round(RECORD_EVERY / STEP)),
-        qs,
-        vs,
+def course_of(trajectory: ManipulationTrajectory) -> Course:
+    """A trajectory as the arrays of the compiled rollout."""
+    return Course(
+        trajectory.period,
+        trajectory.angles,
+        trajectory.velocities,
+        trajectory.efforts,
+        readonly([s.end for s in trajectory.segments]),
+        readonly([s.velocity_finger for s in trajectory.segments], dtype=np.int64),
     )
-    return Run(RECORD_EVERY * np.arange(count), qs[:count], q, v, residual)
+
+
+def start_at_rest(sample: PerturbedSample) -> Start:
+    """At the sample's start, the drives holding the fingers and asked for their weight."""
+    q = sample.start
+    return Start(q, np.zeros(SIZE), sample.world.finger_moment * np.cos(q[JOINTS]), True, -1)
+
+
+def follow_course(
+    sample: PerturbedSample,
+    course: Course,
+    start: Start,
+    controls: ControlOptions,
+    settle: float = 0.0,
+    commands: int = 0,
+) -> Run:
+    """What a sample does under the closed loop of `control/` along a course, and for `settle` [s] of holding its end.
+
+    commands: how many periods' commands to keep.
+    """
+    rows = int((course.period * (len(course.angles) - 1) + settle) / RECORD_EVERY) + 4
+    record = Record(
+        np.empty((rows, SIZE)),
+        np.empty((rows, SIZE)),
+        int(round(RECORD_EVERY / STEP)),
+        np.empty(SIZE),
+        np.empty(SIZE),
+        np.empty((commands, 2)),
+        np.zeros((2, 2), np.bool_),
+    )
+    lead = controls.ramp if start.at_rest else 0.0
+    length = lead + course.period * (len(course.angles) - 1) + settle
+    plant = _plant(sample.perturbation, int(np.ceil(length / STEP)) + 1)
+    law = controls.law(STEP)
+    start = start._replace(
+        **{name: np.array(getattr(start, name)) for name in ('q', 'v', 'efforts')}
+    )
+    count, residual, stopped = run_trajectory(
+        sample.world, plant, law, course, start, settle, record
+    )
+    times = RECORD_EVERY * np.arange(count)
+    return Run(
+        times,
+        record.q[:count],
+        record.last_q,
+        record.last_v,
+        residual,
+        record.stops_met,
+        stopped,
+        record.commands,
+    )
+
+
+def _plant(p: Perturbation, readings: int) -> Plant:
+    """With the noise that `simulation.actuation.Encoders` draws, reading after reading."""
+    noise = np.empty((0, 2, 2))
+    if p.encoder_noise or p.velocity_noise:
+        noise = np.random.default_rng(p.noise_seed).standard_normal((readings, 2, 2))
+        noise *= np.array([p.encoder_noise, p.velocity_noise])[:, None]
+    return Plant(p.friction, p.torque_factors, int(round(p.actuation_delay / STEP)), noise)

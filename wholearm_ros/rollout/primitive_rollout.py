@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wholearm_ros.kernels import time_stepping
+from wholearm_ros.kernels.control_law import PdGains
+from wholearm_ros.kernels.rollout import Course, Primitive, PrimitiveCourse, run_primitive
 from wholearm_ros.mechanics.world import World
+from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.configuration import SIZE
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 
 STEP = 0.001  # [s]
 PERIOD = 0.004  # [s] of the records
-STIFF = (
-    300.0,
-    6.0,
-)  # PD gains of the velocity finger while its torque is being found [N m/rad, N m s/rad]
+STIFF = PdGains(300.0, 6.0)  # of the velocity finger while its torque is being found
 SHORTEST_RAMP = 0.04  # [s]
 REST_SPEED = 0.01  # [1/s] in scaled coordinates, of anything at rest
 PEAK_SPEED = 15.0 / 8.0
@@ -35,7 +35,8 @@ class Rest:
 @dataclass(frozen=True, eq=False)
 class PrimitiveRecord:
     """A simulated move every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the velocity finger's wanted
-    angle (m,); ramp: how many of the samples the torque's ramp takes; whether it ended at rest; the LCP's residual."""
+    angle (m,); ramp: how many of the samples the torque's ramp takes; whether it ended at rest; the LCP's residual;
+    stops_met: (2, 2) bool, whether the left and the right finger came to bear on its low and high end stop."""
 
     move: MotionPrimitive
     configurations: np.ndarray
@@ -45,10 +46,21 @@ class PrimitiveRecord:
     ramp: int
     at_rest: bool
     residual: float
+    stops_met: np.ndarray
 
     def rest(self) -> Rest:
         """Where it ended."""
         return Rest(self.configurations[-1], self.efforts[-1])
+
+    def course(self, start: Rest) -> Course:
+        """The setpoints that lead the fingers along it, for a rollout."""
+        angles, velocities, efforts = self.setpoints(start)
+        return Course(
+            PERIOD,
+            *(readonly(values) for values in (angles, velocities, efforts)),
+            readonly([PERIOD * len(self.wanted)]),
+            readonly([self.move.velocity_finger], dtype=np.int64),
+        )
 
     def setpoints(self, start: Rest) -> tuple:
         """(angles (m + 1, 2), velocities, efforts) to lead the fingers along it, the first of them at `start`."""
@@ -72,50 +84,36 @@ def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> Prim
     total = ramp + turn + _steps(move.settle)
     every = int(round(PERIOD / STEP))
     size = total // every + 1
-    q, v = start.q.copy(), np.zeros(5)
-    qs, vs, efforts, wanted = (
-        np.empty((size, 5)),
-        np.empty((size, 5)),
+    record = PrimitiveCourse(
+        np.empty((size, SIZE)),
+        np.empty((size, SIZE)),
         np.empty((size, 2)),
         np.empty(size),
-    )
-    count, residual = time_stepping.run_move(
-        *world.geometry,
-        world.corners,
-        world.inertias,
-        world.load,
-        world.finger_moment,
-        world.torque_limits,
-        side,
-        float(move.turn),
-        torque,
-        np.asarray(start.efforts, float),
-        ramp,
-        turn,
-        _steps(move.settle),
-        *STIFF,
-        STEP,
         every,
-        q,
-        v,
-        qs,
-        vs,
-        efforts,
-        wanted,
+        np.empty(SIZE),
+        np.empty(SIZE),
+        np.zeros((2, 2), np.bool_),
+    )
+    settle = _steps(move.settle)
+    primitive = Primitive(side, float(move.turn), torque, ramp, turn, settle, STIFF, STEP)
+    count, residual = run_primitive(
+        world, primitive, start.q, np.asarray(start.efforts, float), record
     )
     if count == 0:  # it left the hand at once
-        qs[0], vs[0], efforts[0], wanted[0], count = q, v, start.efforts, start.q[3 + side], 1
+        record.q[0], record.v[0] = record.last_q, record.last_v
+        record.efforts[0], record.wanted[0], count = start.efforts, start.q[3 + side], 1
     whole = count == total // every
-    at_rest = whole and bool(np.abs(v / world.scale).max() < REST_SPEED)
+    at_rest = whole and bool(np.abs(record.last_v / world.scale).max() < REST_SPEED)
     return PrimitiveRecord(
         move,
-        qs[:count],
-        vs[:count],
-        efforts[:count],
-        wanted[:count],
+        record.q[:count],
+        record.v[:count],
+        record.efforts[:count],
+        record.wanted[:count],
         ramp // every,
         at_rest,
         residual,
+        record.stops_met,
     )
 
 

@@ -7,13 +7,21 @@ from typing import Iterator, Sequence
 import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.parallel import parallel_map
-from wholearm_ros.rollout.perturbed_samples import PerturbedSample, Run, follow_setpoints
+from wholearm_ros.rollout.perturbed_samples import (
+    PerturbedSample,
+    Run,
+    course_of,
+    follow_course,
+    start_at_rest,
+)
 
 SETTLE = 0.3  # [s] of holding after the trajectory's end
 MARGIN = 1.0 / 3.0  # of the goal's tolerances that a simulated run must leave
 MOST_BEYOND = 0.15  # [rad] past the goal on the way: an object that comes down faster may go on to the next edge
+STOP_USED = 0.02  # [rad] a plan that brings a finger as near to its end stop makes use of it
 REST_SPEED = 0.005  # [m/s] of the centroid at the end
 
 
@@ -90,28 +98,28 @@ def roll_out(
     trajectory: ManipulationTrajectory, sample: PerturbedSample, controls: ControlOptions
 ) -> Rollout:
     """One sample under the closed loop of control/, simulated by the LCP time stepping."""
-    run = follow_setpoints(
-        sample,
-        sample.start,
-        np.zeros(5),
-        trajectory.period,
-        trajectory.angles,
-        trajectory.velocities,
-        trajectory.efforts,
-        velocity_fingers(trajectory),
-        controls.gains,
-        SETTLE,
-    )
-    reason = _missing(sample, run)
+    run = follow_course(sample, course_of(trajectory), start_at_rest(sample), controls, SETTLE)
+    reason = _stopped(run, controls) or _stop_met(trajectory, sample, run) or _missing(sample, run)
     return Rollout(run.times, run.configurations, not reason, reason, run.residual)
 
 
-def velocity_fingers(trajectory: ManipulationTrajectory) -> np.ndarray:
-    """(m,) the velocity-controlled finger from each sample on."""
-    ends = np.array([s.end for s in trajectory.segments])
-    sides = np.array([s.velocity_finger for s in trajectory.segments])
-    place = np.searchsorted(ends, trajectory.times + 1e-9, side='right')
-    return sides[np.minimum(place, len(sides) - 1)]
+def _stopped(run: Run, controls: ControlOptions) -> str:
+    """Why the mode switch stopped the run, '' when it did not."""
+    if not run.stopped:
+        return ''
+    return (
+        f'stopped: tracking error of the velocity-controlled finger is {run.stopped:+.3f} rad; '
+        f'allowed: {controls.max_tracking_error} rad'
+    )
+
+
+def _stop_met(trajectory: ManipulationTrajectory, sample: PerturbedSample, run: Run) -> str:
+    """Why a run fails whose finger came to bear on an end stop to which the plan does not bring it; '' when none did."""
+    for side, end in zip(*np.nonzero(run.stops_met)):
+        stop = sample.world.limits[side, end]
+        if np.abs(trajectory.angles[:, side] - stop).min() > STOP_USED:
+            return f'the {SIDES[side]} finger came to its end stop at {stop:.3f} rad'
+    return ''
 
 
 def _missing(sample: PerturbedSample, run: Run) -> str:

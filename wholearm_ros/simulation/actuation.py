@@ -6,13 +6,9 @@ from typing import Optional, Tuple
 import numpy as np
 
 from wholearm_ros.errors import HardwareError
+from wholearm_ros.kernels.control_law import HOLD_GAINS, holding_effort
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import Scenario
-
-HOLD_KP, HOLD_KD = (
-    60.0,
-    1.5,
-)  # [N m/rad, N m s/rad] of the drives' own position hold before the first command
 
 
 class Drives:
@@ -52,11 +48,7 @@ class Drives:
             self._held = None
         else:
             self._held = angles.copy() if self._held is None else self._held
-            acting = (
-                self._weights * np.cos(angles)
-                + HOLD_KP * (self._held - angles)
-                - HOLD_KD * velocities
-            )
+            acting = holding_effort(HOLD_GAINS, self._weights, self._held, angles, velocities)
         self.asked = np.clip(acting if command is None else command, -self._limits, self._limits)
         return np.clip(acting, -self._limits, self._limits) * self._factors
 

@@ -12,14 +12,14 @@ from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.simulation.actuation import Drives, Encoders
 from wholearm_ros.simulation.hand import ContactPoint
 
-PHYSICS_RATE = 2000.0  # [Hz] at least
+PHYSICS_RATE = 1000.0  # [Hz] at least; that of the rollouts by which trajectories are verified
 TOUCHING = 1e-5  # [m] a pair with a smaller gap is reported as a contact
 
 
 class PlanarHand:
     """See HandBackend. scenario: as told to the planner; the truth, with the perturbation applied, is `.scenario`.
 
-    The forces of `contacts()` are not kept by the time stepping: they are NaN. Fingers have no end stops.
+    The forces of `contacts()` are not kept by the time stepping: they are NaN.
     """
 
     def __init__(
@@ -48,18 +48,13 @@ class PlanarHand:
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
 
     def _new_work(self):
-        return time_stepping.new_work(self._world.obj, self._world.palm, self._world.corners)
+        return time_stepping.new_workspace(self._world)
 
     def step(self, efforts: Optional[np.ndarray]) -> None:
-        w = self._world
         for _ in range(self._substeps):
             torques = self._drives.torques(efforts, self._q[3:], self._v[3:])
             _, residual = time_stepping.step(
-                *w.geometry,
-                w.corners,
-                w.inertias,
-                w.load,
-                w.finger_moment,
+                self._world,
                 self._friction,
                 torques,
                 self._dt,
@@ -85,7 +80,7 @@ class PlanarHand:
 
     def contacts(self) -> List[ContactPoint]:
         w = self._world
-        gaps, codes = self._work[0].copy(), self._work[1].copy()
+        gaps, codes = self._work.gaps.copy(), self._work.codes.copy()
         geometry.gap_table(*w.geometry, w.corners, self._q, gaps, codes)
         found = []
         for code, gap in zip(codes[gaps < TOUCHING], gaps[gaps < TOUCHING]):

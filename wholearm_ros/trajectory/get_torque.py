@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wholearm_ros.kernels.slew import held_within, slew_limited
+from wholearm_ros.kernels.interpolation import held_within, slew_limited
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
 

@@ -3,11 +3,12 @@
 import numpy as np
 
 from wholearm_ros.errors import DocumentError
-from wholearm_ros.kernels.slew import slew_limited
+from wholearm_ros.kernels.interpolation import slew_limited
 from wholearm_ros.mechanics.contacts import contact_rows, pair_exists, pair_from_name
 from wholearm_ros.mechanics.mirror import mirror_plan, mirror_trajectory
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.interpolation import quintic
 from wholearm_ros.model.orientation import turns_clockwise
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
@@ -17,7 +18,7 @@ from wholearm_ros.trajectory.execution_options import ExecutionOptions
 from wholearm_ros.trajectory.get_torque import dynamic_torque, quasi_static_torque
 from wholearm_ros.trajectory.joint_trajectory import TrajectoryBuilder
 from wholearm_ros.trajectory.monotone_segments import follow, pieces_of
-from wholearm_ros.trajectory.timing import quintic, stroke_duration
+from wholearm_ros.trajectory.timing import stroke_duration
 
 FINAL_HOLD = 0.3  # [s] at the goal, before the trajectory ends
 LARGEST_GAP = 1e-5  # [m] of a contact that the plan says is closed

@@ -7,11 +7,6 @@ PEAK_ACCELERATION = 10.0 / 3.0**0.5
 SHORTEST = 0.08  # [s] of one stroke
 
 
-def quintic(u: np.ndarray) -> tuple:
-    """(position, speed) of the rest-to-rest polynomial at u in [0, 1]; zero speed and acceleration at both ends."""
-    return u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 30.0 * u**2 * (1.0 - u) ** 2
-
-
 def stroke_duration(distance: float, fastest: float, speed: float, acceleration: float) -> float:
     """Least duration [s] of a stroke of the velocity finger over `distance` [rad].
 

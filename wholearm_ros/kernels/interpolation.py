@@ -1,6 +1,11 @@
-"""Courses of a torque over time that change by no more than a step from one sample to the next."""
+"""Interpolation in compiled code: the polynomials of motion, and courses of a torque whose rate of change is limited."""
 
-from wholearm_ros.kernels import kernel
+from wholearm_ros.kernels import inlined, kernel
+from wholearm_ros.model import interpolation
+
+quintic = inlined(interpolation.quintic)
+fade = inlined(interpolation.fade)
+hermite = inlined(interpolation.hermite)
 
 
 @kernel

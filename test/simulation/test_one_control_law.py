@@ -1,0 +1,63 @@
+"""What is verified is what is run: the compiled rollout and the closed loop without ROS give the same commands."""
+
+import numpy as np
+import pytest
+from problems import ASYMMETRIC, REGULAR
+
+from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.perturbation import draw_perturbation
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.rollout.perturbed_samples import (
+    build_perturbed_samples,
+    course_of,
+    follow_course,
+    start_at_rest,
+)
+from wholearm_ros.simulation.closed_loop import run
+
+SETTLE = 0.2  # [s]
+DRAWS = 3
+
+
+@pytest.fixture(scope='module', params=[ASYMMETRIC, REGULAR], ids=lambda s: s.name)
+def planned(request):
+    return request.param, plan_and_verify(request.param, PlanRequest(samples=2)).trajectory
+
+
+def both(scenario, trajectory, level, draw, controls=ControlOptions()):
+    """(the rollout of one perturbed sample, the record of the closed loop on the planar hand with the same perturbation)."""
+    sample = build_perturbed_samples(scenario, draw + 1, level, 11)[draw + 1]
+    record = run(
+        scenario,
+        trajectory,
+        backend='planar',
+        perturbation=sample.perturbation,
+        controls=controls,
+        settle=SETTLE,
+    )
+    rolled = follow_course(
+        sample, course_of(trajectory), start_at_rest(sample), controls, SETTLE, len(record.times)
+    )
+    return rolled, record
+
+
+@pytest.mark.parametrize('level', [0.0, 1.0, 2.0])
+@pytest.mark.parametrize('draw', range(DRAWS))
+def test_a_rollout_and_the_closed_loop_give_the_same_joint_commands(planned, level, draw):
+    """Every command of the run, of both motors, to 1e-9 N m, with delay, noise, friction, weak motors, another mass and shape."""
+    rolled, record = both(*planned, level, draw)
+    assert not rolled.stopped and not record.reason
+    np.testing.assert_allclose(rolled.commands, record.efforts, atol=1e-9, rtol=0.0)
+    np.testing.assert_allclose(rolled.q[:3], record.poses[-1], atol=1e-4)
+
+
+def test_both_stop_on_the_same_tracking_error(planned):
+    """With a tenth of the allowed error: the rollout ends where the closed loop's mode switch stops."""
+    controls = ControlOptions(max_tracking_error=0.005)
+    rolled, record = both(*planned, 2.0, 0, controls)
+    stopped = record.modes.index('stopped')
+    assert f'{rolled.stopped:+.3f} rad' in record.reason
+    np.testing.assert_allclose(
+        rolled.commands[:stopped], record.efforts[:stopped], atol=1e-9, rtol=0.0
+    )

@@ -1,0 +1,275 @@
+"""Rollouts: a trajectory under the closed loop, and a motion primitive, stepped in compiled code.
+
+The closed loop is that of `control/` and `simulation/`, period by period: encoders, mode switch (ramp, handover, stop on a
+tracking error), both controllers (PD; open-loop torque with its slew limit), drives (hold, delay, limits, gain errors), physics.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wholearm_ros.kernels import control_law, inlined, kernel
+from wholearm_ros.kernels.control_law import HOLD_GAINS, PdGains, VelocitySetpoint
+from wholearm_ros.kernels.geometry import left_the_hand
+from wholearm_ros.kernels.interpolation import fade, hermite, quintic
+from wholearm_ros.kernels.time_stepping import new_workspace, step, stops_bearing
+from wholearm_ros.kernels.world import joint
+
+pd_effort = inlined(control_law.pd_effort)
+slewed_effort = inlined(control_law.slewed_effort)
+holding_effort = inlined(control_law.holding_effort)
+
+
+class Course(NamedTuple):
+    """A trajectory as arrays. angles, velocities, efforts: (m, 2) every `period` [s]; ends: (s,) of its segments [s];
+    fingers: (s,) the velocity-controlled one in each."""
+
+    period: float
+    angles: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray
+    ends: np.ndarray
+    fingers: np.ndarray
+
+
+class Plant(NamedTuple):
+    """What a sample has of its own beside its world: friction; torque_factors: (2,) of the motors; delay: periods from a
+    command to its torque; noise: (n, 2, 2) added to the n-th reading of angles and velocities [rad, rad/s], none beyond."""
+
+    friction: float
+    torque_factors: np.ndarray
+    delay: int
+    noise: np.ndarray
+
+
+class Start(NamedTuple):
+    """q, v: (5,); efforts: (2,) commanded before [N m]; at_rest: the drives hold the fingers and the run begins with its ramp,
+    else it is under way already; velocity_finger: the one so far, −1 for none."""
+
+    q: np.ndarray
+    v: np.ndarray
+    efforts: np.ndarray
+    at_rest: bool
+    velocity_finger: int
+
+
+class Record(NamedTuple):
+    """What is filled in: q, v: (r, 5) every `every` periods from the end of the ramp on; last_q, last_v: (5,) at the end;
+    commands: (c, 2) [N m] of the first c periods; stops_met: (2, 2) bool, which joint (left, right) came to bear on its (low,
+    high) end stop."""
+
+    q: np.ndarray
+    v: np.ndarray
+    every: int
+    last_q: np.ndarray
+    last_v: np.ndarray
+    commands: np.ndarray
+    stops_met: np.ndarray
+
+
+@kernel
+def run_trajectory(world, plant, law, course, start, settle, record):
+    """The closed loop along the whole course, and `settle` [s] of holding its end. A run that stops on its tracking error
+    ends there.
+
+    Returns (records, largest LCP residual, tracking error [rad] on which it stopped, 0 when it did not).
+    """
+    work, q, v = new_workspace(world), start.q.copy(), start.v.copy()
+    commands, applied = start.efforts.copy(), np.empty(2)
+    pipe = np.zeros((plant.delay + 1, 2))
+    h, ramp, last = law.period, law.ramp, course.angles.shape[0] - 1
+    began = 0.0 if start.at_rest else -ramp
+    lead = int(round(ramp / h)) if start.at_rest else 0
+    total = int(np.ceil((began + ramp + course.period * last + settle) / h - 1e-9))
+    finger, segment, handed_over, offset = start.velocity_finger, 0, -np.inf, 0.0
+    worst, count, stopped, t = 0.0, 0, 0.0, 0.0
+    for n in range(total):
+        if n >= lead and (n - lead) % record.every == 0 and count < record.q.shape[0]:
+            record.q[count], record.v[count] = q, v
+            count += 1
+        elapsed = t - began - ramp
+        while segment < course.ends.shape[0] - 1 and elapsed >= course.ends[segment]:
+            segment += 1
+        if course.fingers[segment] != finger:
+            finger, handed_over = course.fingers[segment], t
+            offset = _reading(plant, n, 0, finger, q) - _course_angle(course, elapsed, finger)
+        motion = _motion(law, course, start, t, began, finger, handed_over, offset)
+        angle, velocity = _reading(plant, n, 0, finger, q), _reading(plant, n, 1, finger, v)
+        if abs(angle - motion.angle) > law.max_tracking_error:
+            stopped = angle - motion.angle
+            break
+        other = 1 - finger
+        wanted = _effort(law, course, start, t, began, other)
+        commands[finger] = pd_effort(
+            law.gains, world.torque_limits[finger], motion, angle, velocity
+        )
+        commands[other] = slewed_effort(
+            world.torque_limits[other], law.slew_limit * h, wanted, commands[other]
+        )
+        if n < record.commands.shape[0]:
+            record.commands[n] = commands
+        _drive(world, plant, start, n, q, v, commands, pipe, applied)
+        _, residual = step(world, plant.friction, applied, h, q, v, work)
+        worst = max(worst, residual)
+        _add_stops(stops_bearing(work), record.stops_met)
+        t += h
+    if count < record.q.shape[0]:
+        record.q[count], record.v[count] = q, v
+        count += 1
+    record.last_q[:], record.last_v[:] = q, v
+    return count, worst, stopped
+
+
+@inlined
+def _reading(plant, n, kind, finger, state):
+    """The encoder's reading number n of an angle (kind 0) or velocity (kind 1)."""
+    value = state[joint(finger)]
+    if n < plant.noise.shape[0]:
+        value += plant.noise[n, kind, finger]
+    return value
+
+
+@inlined
+def _place(course, elapsed):
+    """(sample, share of the period after it) at a time, held at both ends."""
+    last = course.angles.shape[0] - 1
+    s = min(max(elapsed / course.period, 0.0), float(last))
+    i = min(int(s), last - 1)
+    return i, s - i
+
+
+@inlined
+def _course_angle(course, elapsed, finger):
+    i, u = _place(course, elapsed)
+    angles, velocities = course.angles, course.velocities
+    return hermite(
+        angles[i, finger],
+        angles[i + 1, finger],
+        velocities[i, finger],
+        velocities[i + 1, finger],
+        course.period,
+        u,
+    )
+
+
+@inlined
+def _motion(law, course, start, t, began, finger, handed_over, offset):
+    """The velocity finger's setpoint: the course, the offset found at its handover faded out."""
+    elapsed = t - began - law.ramp
+    i, u = _place(course, elapsed)
+    fading, rate = fade(t - handed_over, law.ramp if handed_over == began else law.handover)
+    duration = course.period * (course.angles.shape[0] - 1)
+    speed = 0.0
+    if 0.0 <= elapsed <= duration:
+        speed = (1 - u) * course.velocities[i, finger] + u * course.velocities[i + 1, finger]
+    return VelocitySetpoint(
+        finger,
+        _course_angle(course, elapsed, finger) + offset * fading,
+        speed + offset * rate,
+        _effort(law, course, start, t, began, finger),
+    )
+
+
+@inlined
+def _effort(law, course, start, t, began, finger):
+    """The planned effort of a finger, ramped in from the one found at the start."""
+    i, u = _place(course, t - began - law.ramp)
+    planned = (1 - u) * course.efforts[i, finger] + u * course.efforts[i + 1, finger]
+    part = 1.0 - fade(t - began, law.ramp)[0]
+    return start.efforts[finger] + part * (planned - start.efforts[finger])
+
+
+@inlined
+def _drive(world, plant, start, n, q, v, commands, pipe, applied):
+    """Torques of period n: the command of `delay` periods before; what there was before the first one."""
+    pipe[n % (plant.delay + 1)] = commands
+    for side in range(2):
+        acting = pipe[(n + 1) % (plant.delay + 1), side]
+        if n < plant.delay:
+            acting = start.efforts[side]
+            if start.at_rest:
+                j = joint(side)
+                acting = holding_effort(
+                    HOLD_GAINS, world.finger_moment[side], start.q[j], q[j], v[j]
+                )
+        limit = world.torque_limits[side]
+        applied[side] = min(max(acting, -limit), limit) * plant.torque_factors[side]
+
+
+@inlined
+def _add_stops(bearing, met):
+    for side in range(2):
+        for end in range(2):
+            met[side, end] = met[side, end] or bearing[side, end]
+
+
+class Primitive(NamedTuple):
+    """Finger `side` turns by `turn` [rad] from rest to rest, in turn_steps, while the other one's torque goes to `torque` [N m] in
+    ramp_steps before it and stays; then settle_steps of rest. gains: of the turning finger; h [s]: of a step."""
+
+    side: int
+    turn: float
+    torque: float
+    ramp_steps: int
+    turn_steps: int
+    settle_steps: int
+    gains: PdGains
+    h: float
+
+
+class PrimitiveCourse(NamedTuple):
+    """What is filled in, every `every` steps: q, v: (r, 5); efforts: (r, 2), the turning finger's averaged [N m]; wanted: (r,)
+    angle of the turning finger [rad]; last_q, last_v: (5,) at the end; stops_met: as in `Record`."""
+
+    q: np.ndarray
+    v: np.ndarray
+    efforts: np.ndarray
+    wanted: np.ndarray
+    every: int
+    last_q: np.ndarray
+    last_v: np.ndarray
+    stops_met: np.ndarray
+
+
+@kernel
+def run_primitive(world, primitive, q0, efforts, record):
+    """Forward dynamics of a motion primitive from rest in q0 (5,) under efforts (2,) [N m].
+
+    Returns (records, largest LCP residual). Stops early when the object leaves the hand.
+    """
+    work, q, v = new_workspace(world), q0.copy(), np.zeros(q0.shape[0])
+    side, h = primitive.side, primitive.h
+    j, other = joint(side), 1 - side
+    applied, mean, count, worst = np.empty(2), 0.0, 0, 0.0
+    for n in range(primitive.ramp_steps + primitive.turn_steps + primitive.settle_steps):
+        motion = _turning(primitive, n, q0[j], efforts[side])
+        part = min(1.0, (n + 1) / max(primitive.ramp_steps, 1))
+        wanted = efforts[other] + (primitive.torque - efforts[other]) * part
+        limit = world.torque_limits[other]
+        applied[other] = min(max(wanted, -limit), limit)
+        applied[side] = pd_effort(primitive.gains, world.torque_limits[side], motion, q[j], v[j])
+        mean += applied[side]
+        _, residual = step(world, 0.0, applied, h, q, v, work)
+        worst = max(worst, residual)
+        _add_stops(stops_bearing(work), record.stops_met)
+        if (n + 1) % record.every == 0:
+            record.q[count], record.v[count], record.wanted[count] = q, v, motion.angle
+            record.efforts[count, side] = mean / record.every
+            record.efforts[count, other] = applied[other]
+            mean, count = 0.0, count + 1
+        if left_the_hand(world.palm, world.fingers, q):
+            break
+    record.last_q[:], record.last_v[:] = q, v
+    return count, worst
+
+
+@inlined
+def _turning(primitive, n, first, feedforward):
+    """The turning finger's setpoint in step n."""
+    u = min(max((n - primitive.ramp_steps) / max(primitive.turn_steps, 1), 0.0), 1.0)
+    position, speed = quintic(u)
+    if primitive.turn_steps > 0:
+        speed *= primitive.turn / (primitive.turn_steps * primitive.h)
+    else:
+        speed = 0.0
+    return VelocitySetpoint(primitive.side, first + primitive.turn * position, speed, feedforward)
