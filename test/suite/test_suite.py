@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from wholearm_ros.errors import DocumentError, ScenarioError
+from wholearm_ros.model.backends import installed_backends
 from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
 from wholearm_ros.suite.execution import perturbation_rng
+from wholearm_ros.suite.jury_summary import jury_lines, jury_summary
 from wholearm_ros.suite.statistics import summarize
 from wholearm_ros.suite.suite import run_suite
 from wholearm_ros.suite.suite_file import SuiteEntry, load_suite
@@ -131,3 +133,29 @@ def test_tasks_without_a_name_get_one(tmp_path):
     path = tmp_path / 'suite.json'
     path.write_text(json.dumps({'format': 'wholearm-suite/1', 'tasks': [HEXAGON, {}, 7]}))
     assert [t.name for t in load_suite(path)] == ['asymmetric_hexagon', 'task 1', 'task 2']
+
+
+def test_the_jury_is_counted_engine_by_engine_and_pair_by_pair():
+    def draw(**executed):
+        [missed] = [name for name, done in executed.items() if not done] or ['']
+        found = [{'text': f'{missed} misses'}] if missed else []
+        engines = {name: {'executed': done} for name, done in executed.items()}
+        return {'executed': not missed, 'jury': {'engines': engines, 'disagreements': found}}
+
+    draws = [draw(a=True, b=True, c=True), draw(a=True, b=False, c=True)]
+    told = jury_summary([{'name': 'one', 'draws': draws}, {'name': 'no plan', 'draws': []}])
+    assert told['executed'] == {'a': 2, 'b': 1, 'c': 2} and told['runs'] == 2
+    assert [p['runs'] for p in told['agreement']] == [1, 2, 1]  # a and b, a and c, b and c
+    assert told['disagreements'] == [{'task': 'one', 'draw': 1, 'text': 'b misses'}]
+    assert 'one, draw 1: b misses' in jury_lines(told)
+
+
+def test_a_run_before_the_jury_reaches_its_goal_only_when_it_does_in_every_engine():
+    options = SuiteOptions(backend='jury', perturb=1.0, candidates=3, moves=0)
+    [result] = run_suite([SuiteEntry('good', HEXAGON)], options)
+    [told] = result['draws']
+    engines = told['jury']['engines']
+    assert list(engines) == list(installed_backends())
+    assert told['executed'] == all(engine['executed'] for engine in engines.values())
+    json.dumps(result, allow_nan=False)
+    assert summarize([result])['jury']['runs'] == 1

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from wholearm_ros.model.choices import Backend, Search, Transition
+from wholearm_ros.model.choices import Backend, Judge, Search, Transition
 
 TIME_BUDGET = 180.0  # [s]
 MIN_SUCCESS = 0.8
@@ -71,7 +71,14 @@ SuccessOption = Annotated[
     ),
 ]
 BackendOption = Annotated[
-    Backend, typer.Option('--backend', help='Simulated hand; planar needs no PyBullet.')
+    Backend, typer.Option('--backend', help='Physics of the simulated hand; planar is our own.')
+]
+JudgeOption = Annotated[
+    Judge,
+    typer.Option(
+        '--backend',
+        help='Physics of the simulated hand; jury: every one that is installed, and where they disagree.',
+    ),
 ]
 PerturbOption = Annotated[
     float,

@@ -22,6 +22,7 @@ from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.figures import figures_of
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, run_graph
 from wholearm_ros.launcher.live_view import view_on
+from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Backend, Pacing, Search, Storage, Transition
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import load_scenario
@@ -61,7 +62,7 @@ def run(
     rate: Annotated[
         float, typer.Option('--rate', min=50.0, max=2000.0, help='Motor rate [Hz].')
     ] = 1000.0,
-    backend: BackendOption = Backend.pybullet,
+    backend: BackendOption = Backend(DEFAULT_BACKEND),
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,

@@ -9,9 +9,9 @@ import typer
 from wholearm_ros.cli.options import (
     MIN_SUCCESS,
     TIME_BUDGET,
-    BackendOption,
     BudgetOption,
     JsonOption,
+    JudgeOption,
     PerturbOption,
     SearchOption,
     SeedOption,
@@ -22,7 +22,8 @@ from wholearm_ros.cli.options import (
 )
 from wholearm_ros.cli.output import finish, out, print_plain, write_json, write_text
 from wholearm_ros.cli.planning import plan_scenario, read_plan
-from wholearm_ros.model.choices import Backend, Search, Transition
+from wholearm_ros.model.backends import DEFAULT_BACKEND
+from wholearm_ros.model.choices import Judge, Search, Transition
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.run_document import run_document
 from wholearm_ros.suite.execution import Execution, execute
@@ -43,7 +44,7 @@ def simulate(
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
     min_success: SuccessOption = MIN_SUCCESS,
-    backend: BackendOption = Backend.pybullet,
+    backend: JudgeOption = Judge(DEFAULT_BACKEND),
     rate: Annotated[
         float, typer.Option('--rate', min=50.0, max=10000.0, help='Control rate in Hz.')
     ] = 1000.0,
@@ -85,7 +86,9 @@ def simulate(
 
 def _document(execution: Execution, plan_id: str, options: SuiteOptions) -> dict[str, Any]:
     judged = execution.judged
+    jury = {} if execution.verdict is None else {'jury': execution.verdict.to_dict()}
     return {
+        **jury,
         'name': execution.scenario.name,
         'plan_id': plan_id,
         'seed': options.seed,
@@ -108,6 +111,8 @@ def _print(execution: Execution) -> None:
     else:
         out.print('[bold red]not at the goal:[/]', end=' ')
         print_plain(judged.reason)
+    for line in () if execution.verdict is None else execution.verdict.lines():
+        print_plain(line)
     x, y, turn = judged.pose
     left, right = np.abs(record.efforts).max(axis=0)
     modes = [f'{mode} {seconds:.2f} s' for mode, seconds in record.time_in_modes().items()]

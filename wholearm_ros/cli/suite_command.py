@@ -9,9 +9,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from wholearm_ros.cli.options import (
     MIN_SUCCESS,
     TIME_BUDGET,
-    BackendOption,
     BudgetOption,
     JsonOption,
+    JudgeOption,
     PerturbOption,
     SearchOption,
     SeedOption,
@@ -19,7 +19,9 @@ from wholearm_ros.cli.options import (
     TransitionOption,
 )
 from wholearm_ros.cli.output import err, finish, print_plain, write_json
-from wholearm_ros.model.choices import Backend, Search, Transition
+from wholearm_ros.model.backends import DEFAULT_BACKEND
+from wholearm_ros.model.choices import Judge, Search, Transition
+from wholearm_ros.suite.jury_summary import jury_lines
 from wholearm_ros.suite.result_document import suite_document
 from wholearm_ros.suite.statistics import TIMES, summarize
 from wholearm_ros.suite.suite import run_suite
@@ -51,7 +53,7 @@ def suite(
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
     min_success: SuccessOption = MIN_SUCCESS,
-    backend: BackendOption = Backend.pybullet,
+    backend: JudgeOption = Judge(DEFAULT_BACKEND),
     json_out: JsonOption = None,
 ) -> None:
     """Plan and execute many scenarios, and count what was planned and what reached its goal.
@@ -118,6 +120,8 @@ def _print_summary(summary: dict[str, Any]) -> None:
         f'({summary["executed_runs"]} of {summary["runs"]} runs, share {success}), '
         f'{summary["errors"]} errors'
     )
+    for line in jury_lines(summary['jury']) if summary['jury'] else ():
+        print_plain(line)
     for name in TIMES:
         if summary[name]:
             median, p95 = summary[name]['median'], summary[name]['p95']

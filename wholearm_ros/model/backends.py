@@ -8,6 +8,8 @@ BACKENDS = (
     'planar',
 )  # in order of preference; planar is our own and always there
 
+JURY = 'jury'  # in place of a backend: every one that is installed, on the same run
+
 
 def installed_backends() -> tuple[str, ...]:
     """Those of BACKENDS that this Python can import, in that order; nothing is imported."""

@@ -26,6 +26,15 @@ class Backend(str, Enum):
     planar = 'planar'
 
 
+class Judge(str, Enum):
+    """Physics that a run without ROS is judged in: one backend, or every one that is installed."""
+
+    pybullet = 'pybullet'
+    mujoco = 'mujoco'
+    planar = 'planar'
+    jury = 'jury'
+
+
 class Pacing(str, Enum):
     """Clock of the ROS graph: the wall clock, or simulated time that waits for every command."""
 

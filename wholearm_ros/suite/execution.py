@@ -1,26 +1,33 @@
 """One run of a planned scenario on a simulated hand: perturbed by a numbered draw, and judged."""
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wholearm_ros.model.backends import JURY
 from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.simulation.closed_loop import RunRecord, run
+from wholearm_ros.simulation.jury import Verdict, hear
 from wholearm_ros.simulation.outcome import Outcome, outcome
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 
 @dataclass(frozen=True, eq=False)
 class Execution:
-    """scenario: as it was planned; record: of the run; judged: against the scenario's goal."""
+    """scenario: as it was planned; record: of the run; judged: against the scenario's goal.
+
+    verdict: of the jury, when it was asked for; record and judged are then of the first engine that missed the goal
+    (`judged.reason` names it), of the first engine when none did.
+    """
 
     scenario: Scenario
     record: RunRecord
     judged: Outcome
     perturbation: Perturbation
+    verdict: Verdict | None = None
 
 
 def execute(
@@ -38,6 +45,9 @@ def execute(
     perturbation = draw_perturbation(
         perturbation_rng(options, name or scenario.name, draw), options.perturb, scenario
     )
+    if options.backend == JURY:
+        verdict = hear(scenario, trajectory, perturbation, options.rate, options.controls)
+        return _of_jury(scenario, verdict, perturbation)
     record = run(
         scenario,
         trajectory,
@@ -48,6 +58,14 @@ def execute(
         view=view,
     )
     return Execution(scenario, record, outcome(scenario, record), perturbation)
+
+
+def _of_jury(scenario: Scenario, verdict: Verdict, perturbation: Perturbation) -> Execution:
+    one = verdict.decisive
+    reason = '' if one.judged.executed else f'{one.engine}: {one.judged.reason}'
+    return Execution(
+        scenario, one.record, replace(one.judged, reason=reason), perturbation, verdict
+    )
 
 
 def perturbation_rng(options: SuiteOptions, name: str, draw: int) -> np.random.Generator:

@@ -4,11 +4,14 @@ from typing import Any
 
 import numpy as np
 
+from wholearm_ros.suite.jury_summary import jury_summary
+
 TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
 
 
 def summarize(results: list[dict[str, Any]]) -> dict[str, Any]:
-    """Summary of results. sound: successful runs / runs of planned tasks, None when nothing was planned."""
+    """Summary of results. sound: successful runs / runs of planned tasks, None when nothing was planned;
+    jury: `jury_summary`."""
     planned = [r for r in results if r['planned']]
     runs = [draw for r in planned for draw in r['draws']]
     done = sum(draw['executed'] for draw in runs)
@@ -20,6 +23,7 @@ def summarize(results: list[dict[str, Any]]) -> dict[str, Any]:
         'runs': len(runs),
         'executed_runs': done,
         'sound': done / len(runs) if runs else None,
+        'jury': jury_summary(results),
         **{name: _spread([r[name] for r in results if r[name] is not None]) for name in TIMES},
     }
 

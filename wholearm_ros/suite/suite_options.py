@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.planner.request import PlanRequest
 
 
@@ -11,7 +12,8 @@ class SuiteOptions:
     """Options of planning, of the perturbations and of the simulated hand.
 
     seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed runs a task;
-    search, transition, candidates, moves, time_budget [s], min_success: of the planning request; backend, rate [Hz]: of the hand.
+    search, transition, candidates, moves, time_budget [s], min_success: of the planning request;
+    backend (or JURY), rate [Hz]: of the hand.
     """
 
     seed: int = 0
@@ -23,7 +25,7 @@ class SuiteOptions:
     moves: int = PlanRequest.moves
     time_budget: float = PlanRequest.time_budget
     min_success: float = PlanRequest.min_success
-    backend: str = 'pybullet'
+    backend: str = DEFAULT_BACKEND
     rate: float = 1000.0
     controls: ControlOptions = field(default_factory=ControlOptions)
 

@@ -88,13 +88,17 @@ def _of_plan(plan: ContactPlan, trajectory: ManipulationTrajectory | None) -> Re
 
 
 def _of_draw(run: Execution, perturbed: bool) -> Result:
-    told = {
+    told: Result = {
         'executed': run.judged.executed,
         'reason': run.judged.reason,
         'final_pose': run.judged.pose.tolist(),
         'angle_error': run.judged.angle_error,
     }
-    return {**told, 'perturbation': run.perturbation.to_dict()} if perturbed else told
+    if perturbed:
+        told['perturbation'] = run.perturbation.to_dict()
+    if run.verdict is not None:
+        told['jury'] = run.verdict.to_dict()
+    return told
 
 
 def _motion(record: RunRecord) -> Result:

@@ -34,6 +34,7 @@ def suite_page(documents: List[dict]) -> str:
         body = asset('suite.html').replace(
             '{{title}}', escape(str(first['suite']).rsplit('/', 1)[-1])
         )
+        body = body.replace('{{jury}}', _jury(first['summary'].get('jury')))
         body = body.replace('{{summary}}', _summary(first)).replace(
             '{{options}}', _options(documents)
         )
@@ -120,6 +121,27 @@ def _summary(document: dict) -> str:
     )
     return escape(
         f'{s["tasks"]} tasks: {s["planned"]} planned, {s["executed"]} executed; {sound}; {s["errors"]} errors.'
+    )
+
+
+def _jury(summary: dict | None) -> str:
+    """Engines against each other, when there were several; empty else."""
+    if not summary:
+        return ''
+    runs = summary['runs']
+    engines = [[name, f'{n} of {runs}'] for name, n in summary['executed'].items()]
+    pairs = [[' and '.join(p['engines']), f'{p["runs"]} of {runs}'] for p in summary['agreement']]
+    found = [[d['task'], d['draw'], d['text']] for d in summary['disagreements']]
+    return (
+        '<section class="wide"><h2>Jury of engines</h2>'
+        + table(['engine', 'runs at the goal'], engines)
+        + table(['engines', 'runs in agreement'], pairs)
+        + (
+            table(['task', 'draw', 'disagreement, and the first contact that differs'], found)
+            if found
+            else ''
+        )
+        + '</section>'
     )
 
 
