@@ -10,8 +10,9 @@ from problems import LEANING
 from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.mechanics.contacts import start_configuration
-from wholearm_ros.model.hand import SIDES
+from wholearm_ros.model.backends import DEFAULT_BACKEND, installed_backends
 from wholearm_ros.model.goal import ANGLE_TOLERANCE
+from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge
@@ -19,13 +20,12 @@ from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
-from wholearm_ros.simulation import pybullet_hand
 from wholearm_ros.simulation.closed_loop import finished, run
 from wholearm_ros.simulation.outcome import outcome, palm_gap
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
 Q = start_configuration(SCENARIO)
-BOTH = pytest.mark.parametrize('backend', ['pybullet', 'planar'])
+EACH = pytest.mark.parametrize('backend', installed_backends())
 
 
 def push(turn=-0.15, seconds=1.0) -> ManipulationTrajectory:
@@ -47,7 +47,7 @@ def push(turn=-0.15, seconds=1.0) -> ManipulationTrajectory:
     )
 
 
-@BOTH
+@EACH
 def test_the_velocity_finger_tracks_and_the_end_is_held(backend):
     record = run(SCENARIO, push(), backend=backend)
     assert finished(record) and record.modes[-1] == DONE and record.reason == ''
@@ -57,7 +57,7 @@ def test_the_velocity_finger_tracks_and_the_end_is_held(backend):
     assert len(record.times) == len(record.poses) == len(record.modes) == 1800
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize('level', [0.0, 1.0])
 def test_the_same_run_twice_is_the_same(backend, level):
     records = []
@@ -84,7 +84,7 @@ def test_the_seed_changes_the_noise_only_when_there_is_noise():
 
 def test_both_stand_ins_agree_over_a_push():
     """Another engine, another contact model: within 1 mm on the way, 0.1 mm and 1 mrad at the end."""
-    a, b = (run(SCENARIO, push(-0.05), backend=backend) for backend in ('pybullet', 'planar'))
+    a, b = (run(SCENARIO, push(-0.05), backend=b) for b in (DEFAULT_BACKEND, 'planar'))
     assert np.abs(a.poses[:, :2] - b.poses[:, :2]).max() < 1e-3
     np.testing.assert_allclose(a.poses[-1], b.poses[-1], atol=1e-4, rtol=0.0)
     np.testing.assert_allclose(a.efforts[-1], b.efforts[-1], atol=2e-2, rtol=0.0)
@@ -161,6 +161,9 @@ def test_a_goal_with_x_and_a_goal_at_a_pose_are_held_to_their_tolerances():
 def test_contacts_in_pybullet_carry_the_normals_of_where_they_are(monkeypatch):
     """Of the palm, a finger or an edge of the object that leans on it, never the one of a while ago: as the finger turns under
     a vertex that stays, a contact kept from before would push 0.1 rad off."""
+    pybullet_hand = pytest.importorskip(
+        'wholearm_ros.simulation.pybullet_hand', exc_type=ImportError
+    )
     edges, away = LEANING.object.polygon.edges, []
     inward = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.linalg.norm(edges, axis=1)[:, None]
 
@@ -191,5 +194,5 @@ def test_contacts_in_pybullet_carry_the_normals_of_where_they_are(monkeypatch):
 
     offered = plan_and_verify(LEANING, PlanRequest(candidates=40))
     monkeypatch.setattr(pybullet_hand, 'PyBulletHand', Watched)
-    assert outcome(LEANING, run(LEANING, offered.trajectory)).executed
+    assert outcome(LEANING, run(LEANING, offered.trajectory, 'pybullet')).executed
     assert len(away) > 5000 and np.quantile(away, 0.99) < 0.004 and max(away) < 0.02
