@@ -1,4 +1,4 @@
-# make run [SCENARIO=my.yaml] | make test | make bench | make test-faults | make colcon | make bags | make clean.
+# make run [SCENARIO=my.yaml] | make test | make lint | make bench | make test-faults | make colcon | make bags | make clean.
 # The environment in .venv is made once. ARGS=... goes on to the tests and to the benchmark.
 SHELL := /bin/bash
 VENV := .venv
@@ -10,13 +10,20 @@ PYTHONS := $(PYTHON) python3.11 python3.10 python3.12 python3 /usr/bin/python3
 
 export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
-.PHONY: run test test-faults bench install bags colcon clean
+.PHONY: run test lint test-faults bench install bags colcon clean
 run: $(STAMP)
 	@out=runs/$$(date +%Y-%m-%d_%H-%M-%S); \
 	$(PY) -m wholearm_ros run $(SCENARIO) --pacing lockstep --record $$out/bag --figures $$out/figures
 
-test: $(STAMP)
+test: lint
 	@$(PY) -m pytest -m "not faults" $(ARGS)
+
+# Style, types and rooms; test/test_layout.py holds the rooms, too.
+lint: $(STAMP)
+	@$(PY) -m ruff check -q .
+	@$(PY) -m ruff format -q --check .
+	@$(PY) -m mypy --no-error-summary
+	@$(VENV)/bin/lint-imports --no-logo
 
 test-faults: $(STAMP)
 	@$(PY) -m pytest -m faults $(ARGS)

@@ -52,6 +52,8 @@ TEST = [
     'pytest-benchmark>=4,<6',
     'hypothesis~=6.100',
     'import-linter~=2.1',
+    'ruff>=0.9',
+    'mypy>=1.14',
     'wheel>=0.40',  # the test of the wheel builds it without a network
     'selenium~=4.20',
 ]

@@ -1,7 +1,7 @@
 """Times as rows of a result: a name, a unit, median, 95th percentile, how many, and the ratio to a plain version."""
 
 import time
-from typing import Callable
+from collections.abc import Callable
 
 import numpy as np
 

@@ -10,7 +10,9 @@ class ScenarioError(WholeArmError):
 
 
 class DocumentError(WholeArmError):
-    """A JSON document (plan, trajectory, suite) that is damaged, of another version or of another scenario."""
+    """A JSON document (plan, trajectory, suite) that is damaged, of another version or of another
+    scenario.
+    """
 
 
 class SolverError(WholeArmError):

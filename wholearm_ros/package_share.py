@@ -1,4 +1,6 @@
-"""Where the files that ship with the package are: the source tree when run from there, else share/wholearm_ros."""
+"""Where the files that ship with the package are: the source tree when run from there, else
+share/wholearm_ros.
+"""
 
 import sys
 from pathlib import Path
@@ -11,7 +13,9 @@ NODE_PARAMETERS = 'control.yaml'  # in config/, too, but no scenario
 
 
 def share_directory() -> Path:
-    """The directory of config/ and launch/: the source tree first, so that an edited file counts at once."""
+    """The directory of config/ and launch/: the source tree first, so that an edited file counts at
+    once.
+    """
     package = Path(__file__).resolve().parents[1]
     places = [
         package.parent,
@@ -33,7 +37,7 @@ def shipped_scenarios() -> dict[str, Path]:
 
 
 def scenario_path(name: Union[str, Path] = '') -> Path:
-    """A scenario by path or by the name of a shipped one ('regular_hexagon'); '' is the default one.
+    """A scenario by path, or a shipped one by name ('regular_hexagon'); '' is the default one.
 
     Raises ScenarioError, with the names that ship, when it is neither.
     """

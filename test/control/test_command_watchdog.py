@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 pytest.importorskip('rclpy')
 
-from wholearm_ros.control.command_watchdog import (  # noqa: E402
+from wholearm_ros.control.command_watchdog import (
     BRAKE,
     DRIVEN,
     HOLD,

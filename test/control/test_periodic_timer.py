@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from wholearm_ros.control.periodic_timer import MOST_BEHIND, SHORTEST, PeriodicTimer  # noqa: E402
+from wholearm_ros.control.periodic_timer import MOST_BEHIND, SHORTEST, PeriodicTimer
 
 PERIOD = 1_000_000  # [ns]
 

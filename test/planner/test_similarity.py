@@ -11,8 +11,8 @@ from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import Gravity, ManipulatedObject, Scenario, StartOnEdge
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
-from wholearm_ros.planning.problem import build_problem
 from wholearm_ros.planning.primitive_tree import PrimitiveTree
+from wholearm_ros.planning.problem import build_problem
 from wholearm_ros.planning.routes import PrimitiveRoutes, SearchOptions
 
 NOMINAL_ONLY = PlanRequest(samples=0, certificate_samples=0, moves=0, transition='dwell')

@@ -8,7 +8,7 @@ import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
-from ros_graph import Graph  # noqa: E402
+from ros_graph import Graph
 
 _domains = itertools.count(os.getpid() * 7)
 

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 rclpy = pytest.importorskip('rclpy')
 
-from rclpy.serialization import deserialize_message, serialize_message  # noqa: E402
-from sensor_msgs.msg import JointState  # noqa: E402
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import JointState
 
-from wholearm_ros.ros.interface.joint_state_serialization import (  # noqa: E402
+from wholearm_ros.ros.interface.joint_state_serialization import (
     MessageError,
     read_joints,
     reading_of,

@@ -13,11 +13,11 @@ from rich.console import Console
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-from wholearm_ros.launcher.live_view import BAR, moment_of, picture, torque_bar, view_on  # noqa: E402
-from wholearm_ros.model.hand import CLOSING  # noqa: E402
-from wholearm_ros.model.scenario_file import load_scenario  # noqa: E402
+from wholearm_ros.launcher.live_view import BAR, moment_of, picture, torque_bar, view_on
+from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.planner import plan_and_verify
-from wholearm_ros.planner.request import PlanRequest  # noqa: E402
+from wholearm_ros.planner.request import PlanRequest
 
 
 @pytest.fixture(scope='module')

@@ -7,7 +7,6 @@ import pytest
 from sensor_msgs.msg import JointState
 
 from wholearm_ros.bag.reader import Bag, stamp_of
-from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.ros.interface import channels
 
 pytestmark = pytest.mark.timeout(280)

@@ -5,7 +5,6 @@ import pytest
 from problems import ASYMMETRIC, REGULAR
 
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.model.perturbation import draw_perturbation
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.rollout.perturbed_samples import (

@@ -1,4 +1,6 @@
-"""The command line. A command is imported when it is called: `--help` is quick, and only `run` needs ROS 2."""
+"""The command line. A command is imported when it is called: `--help` is quick, and only `run`
+needs ROS 2.
+"""
 
 from importlib import import_module
 from typing import Annotated, Any
@@ -22,7 +24,9 @@ HELP = {'help_option_names': ['-h', '--help']}
 
 
 class _Commands(TyperGroup):
-    """The commands by name and one line of help; the file of a command is imported when it is called."""
+    """The commands by name and one line of help; the file of a command is imported when it is
+    called.
+    """
 
     def list_commands(self, ctx: Any) -> list[str]:
         return list(COMMANDS)
@@ -66,7 +70,8 @@ def about(
         ),
     ] = False,
 ) -> None:
-    """Whole-arm manipulation of a slippery polygon by two fingers and a palm: planned, verified, executed.
+    """Whole-arm manipulation of a slippery polygon by two fingers and a palm: planned, verified,
+    executed.
 
     [bold]Examples[/]
 
@@ -81,7 +86,9 @@ def about(
 
 
 def load_command(name: str) -> TyperCommand:
-    """The command of cli/<name>_command.py; where what it imports is missing, a command that says so."""
+    """The command of cli/<name>_command.py; where what it imports is missing, a command that says
+    so.
+    """
     try:
         module = import_module(f'wholearm_ros.cli.{name}_command')
     except ImportError as error:

@@ -67,7 +67,7 @@ SuccessOption = Annotated[
         '--min-success',
         min=0.0,
         max=1.0,
-        help='Least lower bound of the success rate (95 % confidence) with which a plan is offered.',
+        help='Least lower bound (95 % confidence) of the success rate of a plan that is given.',
     ),
 ]
 BackendOption = Annotated[
@@ -77,7 +77,7 @@ JudgeOption = Annotated[
     Judge,
     typer.Option(
         '--backend',
-        help='Physics of the simulated hand; jury: every one that is installed, and where they disagree.',
+        help='Physics of the simulated hand; jury: all that are installed, and where they part.',
     ),
 ]
 PerturbOption = Annotated[

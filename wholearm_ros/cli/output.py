@@ -1,4 +1,6 @@
-"""What the commands print, write and end with: the consoles, the exit codes, one way to write a file."""
+"""What the commands print, write and end with: the consoles, the exit codes, one way to write a
+file.
+"""
 
 import json
 from pathlib import Path
@@ -39,7 +41,9 @@ def print_plain(text: str) -> None:
 
 
 def write_text(path: Path, text: str, option: str) -> None:
-    """Write a result; raises WholeArmError that names the command line option it was asked for with."""
+    """Write a result; raises WholeArmError that names the command line option it was asked for
+    with.
+    """
     try:
         path.write_text(text, encoding='utf-8')
     except OSError as error:

@@ -1,4 +1,6 @@
-"""Planning as the commands do it: with progress on the terminal, and the verdict first when it is printed."""
+"""Planning as the commands do it: with progress on the terminal, and the verdict first when it is
+printed.
+"""
 
 from pathlib import Path
 
@@ -38,7 +40,8 @@ def print_plan(result: PlanResult) -> None:
     else:
         survived = verified.to_dict()
         out.print(
-            f'[bold green]plan found[/]: {trajectory.duration:.2f} s along {len(plan.path)} subgoals; '
+            f'[bold green]plan found[/]: {trajectory.duration:.2f} s '
+            f'along {len(plan.path)} subgoals; '
             f'{survived["survived"]} of {survived["copies"]} simulated samples reach the goal',
             soft_wrap=True,
         )
@@ -51,7 +54,9 @@ def print_plan(result: PlanResult) -> None:
 
 
 def read_plan(name: str) -> tuple[ContactPlan, ManipulationTrajectory] | None:
-    """The plan document in the file `name` with its trajectory; None when the file is no plan document."""
+    """The plan document in the file `name` with its trajectory; None when the file is no plan
+    document.
+    """
     path = Path(name)
     if not path.exists() and scenario_path(name).is_file():
         return None

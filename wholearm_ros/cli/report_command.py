@@ -17,8 +17,8 @@ def report(
         list[Path],
         typer.Argument(
             metavar='SOURCE...',
-            help='A bag, the directory of a run, a document of `simulate --run` or `plan --json`, or '
-            'results of `suite --json`, several for several levels of perturbation.',
+            help='A bag, the directory of a run, a document of `simulate --run`, or results '
+            'of `suite --json`, several for several levels of perturbation.',
         ),
     ],
     target: Annotated[
@@ -30,7 +30,8 @@ def report(
         ),
     ] = None,
 ) -> None:
-    """Write what happened as one HTML file that needs no network: animation, torques, contact states, errors.
+    """Write what happened as one HTML file that needs no network: animation, torques, contact
+    states, errors.
 
     Example: wholearm report runs/first -o first.html
     """

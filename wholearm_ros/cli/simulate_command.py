@@ -35,7 +35,8 @@ def simulate(
         str,
         typer.Argument(
             metavar='PLAN_OR_SCENARIO',
-            help='A plan of `wholearm plan --json`, a scenario file, or the name of a shipped scenario.',
+            help='A plan of `wholearm plan --json`, a scenario file, or the name of a shipped '
+            'scenario.',
         ),
     ],
     seed: SeedOption = 0,

@@ -82,7 +82,7 @@ def suite(
 def _run_with_progress(
     tasks: tuple[SuiteEntry, ...], options: SuiteOptions, jobs: int, scheduler: str | None
 ) -> list[dict[str, Any]]:
-    """Results in the tasks' order; a row is printed the moment a task is done, in a pipe as well."""
+    """Results in the tasks' order; a row is printed when its task is done, in a pipe as well."""
     width = max(4, *(len(task.name) for task in tasks))
     print_plain(f'{"task":{width}}  planned  executed    plan ms  verify ms')
     columns = TextColumn('suite'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
@@ -102,7 +102,8 @@ def _row(result: dict[str, Any], width: int) -> str:
     plan_ms, verify_ms = (
         '' if result[name] is None else f'{result[name]:.1f}' for name in ('plan_ms', 'verify_ms')
     )
-    row = f'{result["name"]:{width}}  {_yes(result["planned"]):7}  {executed:8} {plan_ms:>10} {verify_ms:>10}'
+    row = f'{result["name"]:{width}}  {_yes(result["planned"]):7}  {executed:8}'
+    row = f'{row} {plan_ms:>10} {verify_ms:>10}'
     return row if result['executed'] else f'{row}  {_why(result)}'
 
 

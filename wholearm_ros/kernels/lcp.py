@@ -89,7 +89,6 @@ def _begin(rows, pushes, b, guess, z, k, active, system, answer):
 @inlined
 def _solve(rows, pushes, active, m, system, answer, b, p):
     """A_aa x = −b_a, or A_aa x = A_ap for p ≥ 0; x is left in `answer`. Whether it was regular."""
-    d = rows.shape[1]
     for i in range(m):
         for j in range(m):
             system[i, j] = dot(rows, active[i], pushes, active[j])

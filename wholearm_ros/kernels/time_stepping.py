@@ -26,7 +26,7 @@ from wholearm_ros.kernels.geometry import (
 )
 from wholearm_ros.kernels.lcp import solve_lcp
 from wholearm_ros.kernels.world import joint
-from wholearm_ros.model.configuration import JOINTS, ROTATION, SIZE, X, Y
+from wholearm_ros.model.configuration import ROTATION, SIZE, X, Y
 
 NEAR = 0.002  # [m] pairs nearer than this (plus what they may travel in a step) enter the LCP
 NEAR_STOP = 0.05  # [rad] a joint nearer than this to its end stop enters the LCP

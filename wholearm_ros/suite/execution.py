@@ -19,8 +19,8 @@ from wholearm_ros.suite.suite_options import SuiteOptions
 class Execution:
     """scenario: as it was planned; record: of the run; judged: against the scenario's goal.
 
-    verdict: of the jury, when it was asked for; record and judged are then of the first engine that missed the goal
-    (`judged.reason` names it), of the first engine when none did.
+    verdict: of the jury, when it was asked for; record and judged are then of the first engine that
+    missed the goal (`judged.reason` names it), of the first engine when none did.
     """
 
     scenario: Scenario
@@ -38,7 +38,8 @@ def execute(
     name: str = '',
     view: bool = False,
 ) -> Execution:
-    """Run `trajectory` once under perturbation number `draw` of the task `name` (default: the scenario's).
+    """Run `trajectory` once under perturbation number `draw` of the task `name` (default: the
+    scenario's).
 
     Raises HardwareError when the backend is not installed.
     """

@@ -7,8 +7,8 @@ from typing import Any
 def jury_summary(results: list[dict[str, Any]]) -> dict[str, Any] | None:
     """Counts over every run of results of `--backend jury`; None of other results.
 
-    runs; executed: {engine: runs that reached the goal}; agreement: [{engines: [a, b], runs}] for each pair;
-    disagreements: [{task, draw, text}].
+    runs; executed: {engine: runs that reached the goal}; agreement: [{engines: [a, b], runs}] for
+    each pair; disagreements: [{task, draw, text}].
     """
     runs = [
         (result['name'], draw, told['jury'])

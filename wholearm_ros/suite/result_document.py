@@ -1,4 +1,4 @@
-"""The document `wholearm-suite-result/1`: the results of a suite, each with the scenario it is of."""
+"""The document `wholearm-suite-result/1`: the results of a suite, each with its scenario."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +16,9 @@ def suite_document(
     results: list[dict[str, Any]],
     summary: dict[str, Any],
 ) -> dict[str, Any]:
-    """file: name of the suite's file, shown in the report; the rest as `run_suite` and `summarize` give it."""
+    """file: name of the suite's file, shown in the report; the rest as `run_suite` and `summarize`
+    give it.
+    """
     return {
         'format': RESULT_FORMAT,
         'suite': file,

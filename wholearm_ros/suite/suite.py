@@ -1,4 +1,6 @@
-"""The suite: many tasks planned and executed on a simulated hand, without ROS, by the same code as the nodes."""
+"""The suite: many tasks planned and executed on a simulated hand, without ROS, by the same code as
+the nodes.
+"""
 
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -16,11 +18,12 @@ def run_suite(
     on_result: Callable[[Result], None] | None = None,
     scheduler: str | None = None,
 ) -> list[Result]:
-    """One result a task, in the tasks' order; `on_result` is called with each as soon as it is there.
+    """One result a task, in the tasks' order; `on_result` is called with each as soon as it is
+    there.
 
-    jobs: processes of this machine; scheduler: address of a Dask scheduler whose workers are used instead.
-    An error in a task is that task's result; it does not stop the others. Raises WholeArmError when the
-    scheduler does not answer.
+    jobs: processes of this machine; scheduler: address of a Dask scheduler whose workers are used
+    instead. An error in a task is that task's result; it does not stop the others. Raises
+    WholeArmError when the scheduler does not answer.
     """
     tasks = list(tasks)
     results: dict[int, Result] = {}

@@ -14,7 +14,9 @@ MAX_BYTES = 64 * 1024 * 1024
 
 @dataclass(frozen=True)
 class SuiteEntry:
-    """name; scenario: the keys of a scenario file, not checked yet, so that a bad one only spoils itself."""
+    """name; scenario: the keys of a scenario file, not checked yet, so that a bad one only spoils
+    itself.
+    """
 
     name: str
     scenario: dict[str, Any]

@@ -11,9 +11,9 @@ from wholearm_ros.planner.request import PlanRequest
 class SuiteOptions:
     """Options of planning, of the perturbations and of the simulated hand.
 
-    seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed runs a task;
-    search, transition, candidates, moves, time_budget [s], min_success: of the planning request;
-    backend (or JURY), rate [Hz]: of the hand.
+    seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed
+    runs a task; search, transition, candidates, moves, time_budget [s], min_success: of the
+    planning request; backend (or JURY), rate [Hz]: of the hand.
     """
 
     seed: int = 0

@@ -102,7 +102,9 @@ def _of_draw(run: Execution, perturbed: bool) -> Result:
 
 
 def _motion(record: RunRecord) -> Result:
-    """What is needed to see a run again: rows of x, y, φ, θ_L, θ_R [m, m, rad] and the mode in each."""
+    """What is needed to see a run again: rows of x, y, φ, θ_L, θ_R [m, m, rad] and the mode in
+    each.
+    """
     every = max(1, round(MOTION_PERIOD / (record.times[1] - record.times[0])))
     rows = np.arange(0, len(record.times), every)
     return {

@@ -1,4 +1,4 @@
-"""Where the tasks of a suite are worked on: here, in processes of this machine, or on a Dask cluster.
+"""Where the tasks of a suite are worked on: here, in processes of this machine, or on Dask.
 
 Each way yields (place of the task, result) as results come, every place once.
 """
@@ -51,7 +51,9 @@ def _here(tasks: Sequence[SuiteEntry], work: Work) -> Results:
 
 
 def _in_processes(tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs: int) -> Results:
-    """Without Dask. A worker that dies takes every open task of the pool with it; they become errors."""
+    """Without Dask. A worker that dies takes every open task of the pool with it; they become
+    errors.
+    """
     with ProcessPoolExecutor(jobs, mp_context=get_context('spawn'), initializer=_warm_once) as pool:
         places = {pool.submit(work, task): k for k, task in enumerate(tasks)}
         for future in as_pool_completed(places):
@@ -65,10 +67,13 @@ def _in_processes(tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs:
 def _on_cluster(
     tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs: int, scheduler: str | None
 ) -> Results:
-    """On Dask: a dead worker's tasks go to another one, also those done whose results were not handed over."""
+    """On Dask: a dead worker's tasks go to another one, also those done whose results were not
+    handed over.
+    """
     dask = _dask()
     with _client(dask, jobs, scheduler) as client:
-        # A key a task: the same suite sent twice is worked on twice; pure, tasks that look alike would become one.
+        # A key a task: the same suite sent twice is worked on twice; pure, tasks that look alike
+        # would become one.
         futures = client.map(_work_warm, tasks, work=work, pure=False, batch_size=1)
         places = {future.key: k for k, future in enumerate(futures)}
         for future in dask.as_completed(futures):
