@@ -46,3 +46,18 @@ def test_a_margin_may_differ_from_coordinate_to_coordinate():
     pose = lying(ASYMMETRIC, x=0.006)
     assert goal.reached(pose) and not goal.reached(pose, 0.5)
     assert goal.reached(pose, np.array([0.0, 0.5, 0.5]))
+
+
+@pytest.mark.parametrize('goal', [GoalOnEdge(5, 'ccw'), GoalOnEdge(5, 'ccw', x=0.01)])
+def test_steps_that_are_ruled_out_do_not_pass_through_the_goal(goal):
+    """Against looking at many poses between every two, over random paths on the palm."""
+    scenario, rng = replace(ASYMMETRIC, goal=goal), np.random.default_rng(0)
+    region = goal_region(scenario)
+    path = np.array(
+        [lying(scenario, x, turn) for x, turn in rng.uniform(-0.06, 0.06, size=(60, 2))]
+    )
+    near = set(region.near_steps(path).tolist())
+    for i, (a, b) in enumerate(zip(path[:-1], path[1:], strict=True)):
+        inside = any(region.reached((1 - u) * a + u * b) for u in np.linspace(0.0, 1.0, 30))
+        assert i in near or not inside
+    assert len(near) < 59

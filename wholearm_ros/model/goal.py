@@ -75,6 +75,13 @@ class GoalRegion:
         allowed = (1.0 - np.asarray(margin)) * self.tolerance
         return bool((np.abs(self.error(pose)) <= allowed).all())
 
+    def near_steps(self, poses: np.ndarray, margin: Margin = 0.0) -> np.ndarray:
+        """Indices of the steps between successive poses (m, 3) that x and rotation do not rule out: quick, for long paths."""
+        error = np.where(np.isnan(self.target), 0.0, poses - self.target)[:, [0, 2]]
+        allowed = ((1.0 - np.asarray(margin)) * self.tolerance)[[0, 2]]
+        low, high = np.minimum(error[:-1], error[1:]), np.maximum(error[:-1], error[1:])
+        return np.flatnonzero(((low <= allowed) & (high >= -allowed)).all(axis=1))
+
     def distance(self, pose: np.ndarray) -> float:
         """Largest error of `pose` (3,) as a share of its tolerance."""
         return float(np.abs(self.error(pose) / self.tolerance).max())

@@ -16,6 +16,7 @@ EMPTY_WIDTH = (
     -1.0
 )  # [N m] of a range that is empty somewhere; how empty says nothing near a singular configuration
 MOST_SAMPLES = 300  # configurations on one arc
+SAME_SAMPLE = 1e-6  # share of a step; what lies this near to a sample is the sample
 EVENTS = {
     arc_tracing.CLOSED: 'contact',
     arc_tracing.EDGE_END: 'end of edge',
@@ -113,8 +114,13 @@ def trace(
 def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Optional[Arc]:
     """The arc cut where the object, once inside of the goal's region, is nearest to the goal; None when it never is inside."""
     found = None  # (distance, sample before, share of the step to the next one)
-    for i in range(max(1, len(arc.configurations) - 1)):
-        u, distance = _nearest_on_step(problem, arc.configurations[i : i + 2, :3])
+    poses = arc.configurations[:, :3]
+    if len(poses) == 1:
+        return arc if problem.reached(poses[0]) else None
+    for i in problem.goal.near_steps(poses, problem.margin):
+        if found is not None and i > found[1] + 1:
+            break
+        u, distance = _nearest_on_step(problem, poses[i : i + 2])
         pose = _between(arc.configurations, i, u)[:3]
         if problem.reached(pose) and (found is None or distance < found[0]):
             found = distance, i, u
@@ -124,7 +130,7 @@ def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Optional[Arc]:
         return None
     _, i, u = found
     if u in (0.0, 1.0):
-        return arc.up_to(max(i + 1 + int(u), min(2, len(arc.configurations))), 'goal')
+        return arc.up_to(max(i + 1 + int(u), 2), 'goal')
     q = _projected(problem, arc, i, u)
     if q is None or not problem.reached(q[:3]):
         return arc.up_to(i + 2, 'goal') if problem.reached(arc.configurations[i + 1, :3]) else None
@@ -140,10 +146,12 @@ def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Optional[Arc]:
 def _nearest_on_step(problem: PlanningProblem, poses: np.ndarray) -> tuple[float, float]:
     """(share of the step between two poses (2, 3) at which it comes nearest to the goal, distance there)."""
     first = problem.goal.error(poses[0]) / problem.goal.tolerance
-    if len(poses) < 2 or problem.reached(poses[0]) and problem.distance(poses[0]) == 0.0:
-        return 0.0, problem.distance(poses[0])
+    if problem.distance(poses[0]) == 0.0:
+        return 0.0, 0.0
     way = problem.goal.error(poses[1]) / problem.goal.tolerance - first
     u = float(np.clip(-(first @ way) / max(way @ way, 1e-300), 0.0, 1.0))
+    if min(u, 1.0 - u) < SAME_SAMPLE:
+        u = float(round(u))
     return u, problem.distance((1.0 - u) * poses[0] + u * poses[1])
 
 
