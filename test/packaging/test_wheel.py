@@ -126,7 +126,7 @@ def installed(tmp_path_factory) -> Path:
     return home / 'bin'
 
 
-def test_the_wheel_alone_plans_from_another_directory(installed, tmp_path):
+def test_the_wheel_alone_plans_simulates_and_reports_from_another_directory(installed, tmp_path):
     code = 'import wholearm_ros; print(wholearm_ros.__file__)'
     where = _run(tmp_path, installed / 'python', '-c', code)
     assert str(installed.parent) in where.stdout
@@ -134,6 +134,12 @@ def test_the_wheel_alone_plans_from_another_directory(installed, tmp_path):
     planned = _run(tmp_path, installed / 'wholearm', 'plan', 'my.yaml', '--json', 'plan.json')
     assert planned.returncode == 0, planned.stdout + planned.stderr
     assert (tmp_path / 'plan.json').stat().st_size > 1000
+    # Neither an engine nor ROS is there: our own physics is the default.
+    executed = _run(tmp_path, installed / 'wholearm', 'simulate', 'plan.json', '--run', 'run.json')
+    assert executed.returncode == 0, executed.stdout + executed.stderr
+    reported = _run(tmp_path, installed / 'wholearm', 'report', 'run.json', '-o', 'report.html')
+    assert reported.returncode == 0, reported.stdout + reported.stderr
+    assert (tmp_path / 'report.html').stat().st_size > 1_000_000
 
 
 def _run(directory: Path, *command) -> subprocess.CompletedProcess:

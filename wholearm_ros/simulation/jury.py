@@ -127,9 +127,14 @@ def hear(
             perturbation=perturbation,
             controls=controls,
         )
-        depth = max(0.0, -float(_gaps(record)[0].min()))
-        testimonies.append(Testimony(engine, record, outcome(scenario, record), depth))
+        testimonies.append(testify(engine, scenario, record))
     return Verdict(tuple(testimonies), disagreements(testimonies))
+
+
+def testify(engine: str, scenario: Scenario, record: RunRecord) -> Testimony:
+    """What is kept of a run in `engine`; scenario: as it was planned."""
+    depth = max(0.0, -float(_gaps(record)[0].min()))
+    return Testimony(engine, record, outcome(scenario, record), depth)
 
 
 def disagreements(testimonies: list[Testimony]) -> tuple[Disagreement, ...]:
