@@ -156,6 +156,14 @@ def test_a_run_and_a_suite_are_not_mixed(tmp_path, made):
     assert default_target(path) == path.with_suffix('.html')
 
 
+def test_two_bags_side_by_side_get_two_reports(tmp_path):
+    for name in ('a', 'b'):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / 'metadata.yaml').touch()
+    assert default_target(tmp_path / 'a') == tmp_path / 'a.html'
+    assert default_target(tmp_path / 'b') == tmp_path / 'b.html'
+
+
 def test_success_interval_holds_the_share():
     for done, runs in ((0, 10), (3, 4), (10, 10)):
         low, high = success_interval(done, runs)

@@ -27,9 +27,9 @@ def write_report(sources: Sequence[Path], target: Path) -> Path:
 
 def default_target(source: Path) -> Path:
     """report.html in the directory of a run, <name>.html beside anything else."""
-    source = Path(source)
-    if source.is_dir() and not (source / 'metadata.yaml').exists():
+    source = Path(source).absolute()
+    if not source.is_dir():
+        return source.with_suffix('.html')
+    if not (source / 'metadata.yaml').exists():
         return source / 'report.html'
-    return (
-        source.absolute().parent / 'report.html' if source.is_dir() else source.with_suffix('.html')
-    )
+    return source.parent / f'{source.name}.html'
