@@ -1,21 +1,21 @@
 """Records the topics of a run into a rosbag2 bag, as the bytes they came in."""
 
-import sqlite3
 import sys
 import time
 from datetime import datetime
 from pathlib import Path
 
 from rclpy.qos import QoSProfile
-from rosbags.rosbag2 import WriterError
+from rosbags.typesys.store import Typestore
 
+from wholearm_ros.bag.background_writer import BackgroundWriter
 from wholearm_ros.bag.types import jazzy_typestore
-from wholearm_ros.bag.writer import STORAGES, BagWriter
+from wholearm_ros.bag.writer import STORAGES
 from wholearm_ros.errors import BagError
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.bag_types import offered, type_name
 from wholearm_ros.ros.interface.parameters import Declared
-from wholearm_ros.ros.node.node import ERROR, OK, WholeArmNode
+from wholearm_ros.ros.node.node import ERROR, OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
@@ -36,45 +36,31 @@ DECLARED = (
         60.0,
     ),
 )
-QUEUE = 5000  # messages of one topic that may wait while a checkpoint is written
+QUEUE = 5000  # messages of one topic that may wait for this process in the middleware
+SWITCH_INTERVAL = 0.0002  # [s] for which the writing thread may keep the receiving one waiting
 
 
 class BagRecorder(WholeArmNode):
     """Every topic of the graph → bag. A recorder that is killed loses what came after its last checkpoint."""
 
-    leave_within = 10.0
+    leave_within = 2.5
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('bag_recorder', DECLARED)
+        sys.setswitchinterval(SWITCH_INTERVAL)
         p = self.parameters
-        self.path = Path(p.path or datetime.now().strftime('wholearm_%Y_%m_%d-%H_%M_%S'))
-        self.recorded, self.problem, self.slowest = 0, '', 0.0
-        topics = self.chosen([t for t in p.topics if t])
-
-        self.bag = BagWriter(self.path, p.storage) if not self.path.exists() else None
-        if self.bag is None:
-            raise BagError(
-                f'path: {self.path} exists; allowed: a directory that does not exist yet'
-            )
-        try:
-            self.bag.open()
-        except (OSError, WriterError, sqlite3.Error) as error:
-            raise BagError(f'path: {self.path} cannot be written: {error}') from error
-
+        path = Path(p.path or datetime.now().strftime('wholearm_%Y_%m_%d-%H_%M_%S'))
+        topics = _chosen([t for t in p.topics if t])
+        self.told_problem = False
+        self.bag = BackgroundWriter(path, p.storage)
         store = jazzy_typestore()
         for topic in topics:
             self.record(topic, store)
         self.every(p.checkpoint_period, self.checkpoint)
-        self.get_logger().info(f'recording {len(topics)} topics into {self.path}')
+        self.get_logger().info(f'recording {len(topics)} topics into {path}')
 
-    def chosen(self, names):
-        known = {t.name: t for t in channels.RECORDED}
-        wrong = [n for n in names if n not in known]
-        if wrong:
-            raise BagError(f'topics: got {wrong}; allowed: {", ".join(known)}')
-        return [known[n] for n in names] or list(channels.RECORDED)
-
-    def record(self, topic: channels.Topic, store):
+    def record(self, topic: channels.Topic, store: Typestore) -> None:
+        """From now on every message of `topic` goes into the bag."""
         connection = self.bag.add_connection(
             self.resolve_topic_name(topic.name),
             type_name(topic.type),
@@ -84,43 +70,46 @@ class BagRecorder(WholeArmNode):
         qos = QoSProfile(
             depth=QUEUE, reliability=topic.qos.reliability, durability=topic.qos.durability
         )
-        write, clock = self.bag.write, time.time_ns
+        put, clock = self.bag.put, time.time_ns
+        self.create_subscription(
+            topic.type, topic.name, lambda data: put(connection, clock(), data), qos, raw=True
+        )
 
-        def keep(data: bytes):
-            if not self.problem:
-                write(connection, clock(), data)
-                self.recorded += 1
+    def checkpoint(self) -> None:
+        """Begun here, done by the writing thread."""
+        self.bag.checkpoint()
+        if self.bag.problem and not self.told_problem:
+            self.told_problem = True
+            self.get_logger().error(self.bag.problem)
 
-        self.create_subscription(topic.type, topic.name, keep, qos, raw=True)
+    def leave(self) -> None:
+        self.bag.close()
+        self.get_logger().info(f'{self.bag.recorded} messages in {self.bag.path}')
 
-    def checkpoint(self):
-        began = time.monotonic()
-        self.to_disk(self.bag.checkpoint)
-        self.slowest = max(self.slowest, time.monotonic() - began)
-
-    def to_disk(self, write):
-        if self.problem:
-            return
-        try:
-            write()
-        except (OSError, sqlite3.Error) as error:
-            self.problem = f'{self.path}: cannot be written: {error}; the bag ends here'
-            self.get_logger().error(self.problem)
-
-    def leave(self):
-        self.to_disk(self.bag.close)
-        self.get_logger().info(f'{self.recorded} messages in {self.path}')
-
-    def health(self):
+    def health(self) -> Health:
+        bag = self.bag
         values = {
-            'path': self.path,
-            'messages': self.recorded,
-            'slowest checkpoint ms': 1e3 * self.slowest,
+            'path': bag.path,
+            'messages': bag.recorded,
+            'lost messages': bag.lost,
+            'most waiting messages': bag.most_waiting,
+            'slowest checkpoint ms': 1e3 * bag.slowest,
         }
-        return (ERROR, self.problem, values) if self.problem else (OK, 'recording', values)
+        if bag.problem:
+            return ERROR, bag.problem, values
+        return (WARN, 'messages were lost', values) if bag.lost else (OK, 'recording', values)
 
 
-def main():
+def _chosen(names: list[str]) -> list[channels.Topic]:
+    """Topics by name, all when none is given; raises BagError."""
+    known = {t.name: t for t in channels.RECORDED}
+    wrong = [n for n in names if n not in known]
+    if wrong:
+        raise BagError(f'topics: got {wrong}; allowed: {", ".join(known)}')
+    return [known[n] for n in names] or list(channels.RECORDED)
+
+
+def main() -> None:
     sys.exit(run_node(BagRecorder))
 
 

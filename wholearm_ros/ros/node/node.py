@@ -1,5 +1,7 @@
 """What every node of the graph shares: channels, refusals that do not kill, diagnostics, and a way to leave."""
 
+from typing import Any
+
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -21,6 +23,7 @@ OK, WARN, ERROR, STALE = (
     DiagnosticStatus.ERROR,
     DiagnosticStatus.STALE,
 )
+Health = tuple[bytes, str, dict[str, Any]]  # level, message and values for /diagnostics
 DIAGNOSTICS_RATE = Declared(
     'diagnostics_rate', 2.0, 'how often this node reports on /diagnostics [Hz]', 0.1, 50.0
 )
