@@ -29,7 +29,7 @@ def one(scenario: str, rate: float, record: bool) -> dict:
         for status in message.status:
             said[status.name.rsplit('/', 1)[-1]] = values_of(status)
 
-    def attend(client):
+    def on_client_ready(client):
         topic = channels.DIAGNOSTICS
         client.node.create_subscription(topic.type, topic.name, hear, topic.qos)
 
@@ -38,7 +38,7 @@ def one(scenario: str, rate: float, record: bool) -> dict:
         bag = Path(scratch) / 'bag' if record else None
         options = RunOptions(str(path), 'realtime', rate=rate, record=bag)
         try:
-            report = run_graph(load_scenario(path), options, lambda *_: None, attend=attend)
+            report = run_graph(load_scenario(path), options, lambda *_: None, on_client_ready=on_client_ready)
             success, reason = report.success, report.result.get('reason', report.message)
         except WholeArmError as error:
             success, reason = False, str(error)

@@ -57,7 +57,7 @@ class Bench:
         try:
             self.client.wait_for_graph(WAIT)
             assert self.client.call(channels.PLAN_SCENARIO, WAIT).success
-            self.client.wait(lambda: self.client.heard.plan, WAIT, 'plan')
+            self.client.wait(lambda: self.client.latest.plan, WAIT, 'plan')
         except GraphError:
             self.close()
             raise
@@ -73,7 +73,7 @@ class Bench:
 
     def begin(self):
         self.modes.clear()
-        self.client.send_goal(self.client.heard.plan.id)
+        self.client.send_goal(self.client.latest.plan.id)
         self.client.wait(
             lambda: any(mode not in ('idle', 'stopped') for _, mode in self.modes), WAIT, 'run'
         )
@@ -95,7 +95,7 @@ class Bench:
 def loop_figures(bench: Bench, seconds: float) -> dict:
     """While the end of the run is held."""
     bench.begin()
-    bench.client.wait(lambda: bench.client.heard.result, WAIT, 'result')
+    bench.client.wait(lambda: bench.client.latest.result, WAIT, 'result')
     before, began, cpu = bench.reports(), time.monotonic(), _cpu_of(bench)
     bench.client.wait(lambda: time.monotonic() - began > seconds, seconds + 5, 'time')
     cpu = {
@@ -173,7 +173,7 @@ def hardware_stop(bench: Bench, repeats: int) -> list:
         bench.client.wait(lambda: bench.state() == 'stopped', WAIT, 'stopped')
         times.append(1e3 * (bench.said['hand_hardware']['heard'] - began))
         bench.client.cancel()
-        bench.client.wait(lambda: bench.client.heard.result, WAIT, 'result')
+        bench.client.wait(lambda: bench.client.latest.result, WAIT, 'result')
     return times
 
 
@@ -198,7 +198,7 @@ def switcher_stop(bench: Bench, repeats: int) -> list:
         service.call_async(channels.STOP.type.Request())
         bench.client.wait(lambda: heard.acted, WAIT, 'stop')
         times.append(1e3 * (heard.acted - began))
-        bench.client.wait(lambda: bench.client.heard.result, WAIT, 'result')
+        bench.client.wait(lambda: bench.client.latest.result, WAIT, 'result')
     for ear in ears:
         node.destroy_subscription(ear)
     return times

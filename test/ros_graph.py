@@ -56,7 +56,7 @@ class Graph:
         """Calls plan_scenario and waits until its trajectory is here."""
         answer = self.client.call(channels.PLAN_SCENARIO, WAIT)
         assert answer.success, answer.message
-        heard = self.client.heard
+        heard = self.client.latest
         self.wait(
             lambda: heard.plan and heard.trajectory and heard.trajectory.plan_id == heard.plan.id,
             'trajectory',
@@ -66,8 +66,8 @@ class Graph:
     def execute(self, plan_id: str) -> dict:
         """Sends the goal and waits for its result."""
         self.client.send_goal(plan_id)
-        self.wait(lambda: self.client.heard.result, 'result')
-        return self.client.heard.result
+        self.wait(lambda: self.client.latest.result, 'result')
+        return self.client.latest.result
 
     def close(self):
         self.client.close()

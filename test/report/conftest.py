@@ -52,7 +52,17 @@ def bag_mcap(made, tmp_path_factory):
     return path
 
 
-def _write(writer, plan, trajectory, record):
+@pytest.fixture
+def bag_of_a_long_ramp(made, tmp_path):
+    """Of a mode switcher with `ramp` 1.1 s."""
+    path = tmp_path / 'bag'
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        _write(writer, *made, ramp=1.1)
+    return path
+
+
+def _write(writer, plan, trajectory, record, ramp=None):
+    """ramp [s]: as the mode switcher of the run was told, on mode_switcher/progress; None: an old bag, without it."""
     t = STORE.types
     stamp = lambda s: t['builtin_interfaces/msg/Time'](int(s), round((s % 1.0) * 1e9))
     header = lambda s: t['std_msgs/msg/Header'](stamp(s), 'palm')
@@ -68,7 +78,15 @@ def _write(writer, plan, trajectory, record):
     put('contact_state_planner/contact_plan', 1.0, string(plan.to_json()))
     put('trajectory_generator/manipulation_trajectory', 2.0, string(trajectory.to_json()))
     put('mode_switcher/mode', CLOCK, string('dwell'))
-    offset, ramp = CLOCK - record.times[0], ControlOptions().ramp
+    if ramp is not None:
+        told = {
+            'trajectory start': round((CLOCK + ramp) * 1e9),
+            'stamp': round((CLOCK + 1.0) * 1e9),
+        }
+        pairs = [t['diagnostic_msgs/msg/KeyValue'](key, str(value)) for key, value in told.items()]
+        status = t['diagnostic_msgs/msg/DiagnosticStatus'](0, 'switcher', '', '', pairs)
+        put('mode_switcher/progress', CLOCK + 1.0, status)
+    offset, ramp = CLOCK - record.times[0], ramp or ControlOptions().ramp
     for k, own in enumerate(record.times):
         s = own + offset
         names = list(JOINT_NAMES)[::-1]  # a hand may name them in any order

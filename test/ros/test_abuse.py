@@ -49,7 +49,7 @@ def answers(graph, node: str):
 def still_does_its_job(graph, plan_id: str):
     for node in NODES:
         answers(graph, node)
-    graph.client.heard.trajectory = None
+    graph.client.latest.trajectory = None
     assert graph.client.call(channels.RESET, WAIT).success
     assert graph.plan().id == plan_id
     result = graph.execute(plan_id)
@@ -137,8 +137,8 @@ def damaged(text: str, rng: random.Random) -> str:
 def test_damaged_documents_are_refused(running):
     graph, plan_id = running
     documents = {
-        channels.CONTACT_PLAN: graph.client.heard.plan.to_json(),
-        channels.MANIPULATION_TRAJECTORY: graph.client.heard.trajectory.to_json(),
+        channels.CONTACT_PLAN: graph.client.latest.plan.to_json(),
+        channels.MANIPULATION_TRAJECTORY: graph.client.latest.trajectory.to_json(),
     }
     rng = random.Random(1)
     for topic, document in documents.items():

@@ -26,6 +26,7 @@ from wholearm_ros.ros.interface.messages import values_of
 pytestmark = [pytest.mark.faults, pytest.mark.timeout(400)]
 
 
+NOTICED_WITHIN = 2.5  # [s]; meant are 0.5, but the machine may be loaded
 REALTIME = {
     'motor_rate': 250.0,
     'priority': LOOP_PRIORITY,
@@ -65,12 +66,12 @@ def run_into(graph, modes, said, mode: str):
         assert graph.client.call(channels.RESET, WAIT).success
         graph.wait(lambda: drives(said) == 'brake', 'the reset')
         modes.clear()
-        graph.client.send_goal(graph.client.heard.plan.id)
+        graph.client.send_goal(graph.client.latest.plan.id)
         graph.wait(lambda: modes and modes[-1].data in (mode, 'done', 'stopped'), f'mode {mode}')
         if modes[-1].data == mode:
             graph.wait(lambda: drives(said) != 'brake', 'the first command')
             return
-        graph.wait(lambda: graph.client.heard.result, 'result')
+        graph.wait(lambda: graph.client.latest.result, 'result')
     raise AssertionError(f'no run came to {mode}: {[m.data for m in modes]}')
 
 
@@ -84,6 +85,11 @@ def test_a_node_killed_in_any_mode_leaves_the_hand_safe(graph, victim, mode):
     )
     run_into(graph, modes, said, mode)
     os.kill(graph.processes.pid(victim), signal.SIGKILL)
+    killed = time.monotonic()
+    if victim == 'mode_switcher':
+        graph.wait(lambda: graph.client.latest.result, 'result')
+        assert time.monotonic() - killed < NOTICED_WITHIN
+        assert 'nothing from the mode switcher' in graph.client.latest.result['reason']
     graph.wait(lambda: drives(said) == 'limp', 'zero torque')
     assert said['hand_hardware'].level == DiagnosticStatus.ERROR
     assert int(values_of(said['hand_hardware'])['watchdog trips']) >= 1
@@ -100,9 +106,9 @@ def test_the_hardware_killed_in_any_mode_stops_the_run(graph, mode):
     )
     run_into(graph, modes, said, mode)
     os.kill(graph.processes.pid('hand_hardware'), signal.SIGKILL)
-    graph.wait(lambda: graph.client.heard.result, 'result')
-    assert graph.client.heard.result['outcome'] == 'aborted'
-    assert 'no joint_states' in graph.client.heard.result['reason']
+    graph.wait(lambda: graph.client.latest.result, 'result')
+    assert graph.client.latest.result['outcome'] == 'aborted'
+    assert 'no joint_states' in graph.client.latest.result['reason']
     assert modes[-1].data == 'stopped'
 
 
@@ -148,13 +154,13 @@ def test_a_slow_process_gives_the_same_run_in_lockstep(graph):
     modes, said = started(graph, 'lockstep')
     run_into(graph, modes, said, 'quasi_static')
     pid, client = graph.processes.pid('mode_switcher'), graph.client
-    while not client.heard.result:  # runs a tenth of the time
+    while not client.latest.result:  # runs a tenth of the time
         os.kill(pid, signal.SIGSTOP)
         graph.spin(0.09)
         os.kill(pid, signal.SIGCONT)
         graph.spin(0.01)
         assert modes[-1].data != 'stopped', values_of(said['mode_switcher'])
-    assert client.heard.result['outcome'] == 'succeeded'
+    assert client.latest.result['outcome'] == 'succeeded'
 
 
 def test_time_going_backwards_ends_the_run(graph):
@@ -162,9 +168,9 @@ def test_time_going_backwards_ends_the_run(graph):
     run_into(graph, modes, said, 'quasi_static')
     liar = graph.talk(channels.JOINT_STATES, 3)
     liar.publish(write_joints(1, 'palm', JOINT_NAMES, [1.0, 2.0], [0.0, 0.0], [0.0, 0.0]))
-    graph.wait(lambda: graph.client.heard.result, 'result')
-    assert graph.client.heard.result['outcome'] == 'aborted'
-    assert 'time went backwards' in graph.client.heard.result['reason']
+    graph.wait(lambda: graph.client.latest.result, 'result')
+    assert graph.client.latest.result['outcome'] == 'aborted'
+    assert 'time went backwards' in graph.client.latest.result['reason']
 
 
 def test_two_nodes_of_one_name_give_the_same_run(graph, tmp_path):
@@ -175,7 +181,7 @@ def test_two_nodes_of_one_name_give_the_same_run(graph, tmp_path):
         graph.wait(
             lambda: graph.node.count_publishers(channels.JOINT_COMMANDS.name) == 3, 'the twin'
         )
-        assert graph.execute(graph.client.heard.plan.id)['outcome'] == 'succeeded'
+        assert graph.execute(graph.client.latest.plan.id)['outcome'] == 'succeeded'
         graph.wait(
             lambda: int(values_of(said['hand_hardware'])['late commands']) > 100,
             'the second commands to be dropped',
@@ -245,8 +251,8 @@ def test_a_stopped_and_continued_process_is_waited_for_in_lockstep(graph):
     os.kill(pid, signal.SIGSTOP)
     graph.spin(1.0)
     os.kill(pid, signal.SIGCONT)
-    graph.wait(lambda: graph.client.heard.result, 'result')
-    assert graph.client.heard.result['outcome'] == 'succeeded'
+    graph.wait(lambda: graph.client.latest.result, 'result')
+    assert graph.client.latest.result['outcome'] == 'succeeded'
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])

@@ -23,7 +23,7 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
     status, modes = graph.listen(channels.GOAL_STATUS), graph.listen(channels.MODE)
     results, states = graph.listen(channels.RESULT), graph.listen(channels.JOINT_STATES)
     graph.client.wait_for_graph(120.0)
-    heard = graph.client.heard
+    heard = graph.client.latest
 
     graph.client.send_goal(str(uuid.uuid4()))
     graph.wait(lambda: heard.result, 'rejection')
@@ -35,8 +35,8 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
     second = Client(name='second_client')  # another client asks while busy
     second.wait(lambda: second._goal.get_subscription_count() > 0, 60.0, 'generator')
     second.send_goal(plan.id)
-    second.wait(lambda: second.heard.result, 60.0, 'rejection')
-    assert second.heard.result['outcome'] == 'rejected' and 'busy' in second.heard.result_message
+    second.wait(lambda: second.latest.result, 60.0, 'rejection')
+    assert second.latest.result['outcome'] == 'rejected' and 'busy' in second.latest.result_message
     second.close()  # a client that leaves changes nothing
 
     graph.wait(lambda: float(heard.feedback.get('progress') or 0) > 0.2, 'progress')
@@ -83,9 +83,9 @@ def test_stop_holds_and_says_so(graph):
     graph.client.send_goal(plan.id)
     graph.wait(lambda: modes and modes[-1].data != 'idle', 'the run to begin')
     assert 'hold' in graph.client.call(channels.STOP, 60.0).message
-    graph.wait(lambda: graph.client.heard.result, 'result')
-    assert graph.client.heard.result['outcome'] == 'aborted'
-    assert 'stop' in graph.client.heard.result['reason']
+    graph.wait(lambda: graph.client.latest.result, 'result')
+    assert graph.client.latest.result['outcome'] == 'aborted'
+    assert 'stop' in graph.client.latest.result['reason']
 
 
 def test_poses_that_cannot_be_planned_are_answered(graph):
@@ -123,3 +123,21 @@ def test_a_slide_a_turn_and_both_are_planned_between_poses(graph, x, goal_x, tur
     last = poses[-1].pose
     assert abs(last.position.x - goal[0]) < 0.005
     assert abs(2 * np.arctan2(last.orientation.z, last.orientation.w) - turn) < 0.015
+
+
+def test_feedback_does_not_depend_on_the_switchers_diagnostics(graph):
+    """Which come once in ten seconds here; the result has the stamp of the end all the same."""
+    graph.start(
+        ALL,
+        hand_hardware={'motor_rate': 250.0, 'backend': 'planar'},
+        torque_controller={'motor_rate': 250.0},
+        mode_switcher={'diagnostics_rate': 0.1},
+    )
+    feedback = graph.listen(channels.FEEDBACK)
+    states = graph.listen(channels.JOINT_STATES)
+    graph.client.wait_for_graph(120.0)
+    result = graph.execute(graph.plan().id)
+    assert result['outcome'] == 'succeeded', result
+    modes = {values_of(m)['mode'] for m in feedback}
+    assert {'quasi_static', 'caging', 'done'} <= modes
+    graph.wait(lambda: to_joints(reading_of(states[-1]))[0] >= int(result['stamp']), 'the end')

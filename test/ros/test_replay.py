@@ -127,9 +127,9 @@ def test_the_recorded_plan_and_goal_give_the_recorded_run(graph, name):
             'wait_for_subscribers': 30.0,
         },
     )
-    graph.wait(lambda: graph.client.heard.result, 'result', 120.0)
-    assert graph.client.heard.result['outcome'] == 'succeeded', graph.client.heard.result
-    end = int(graph.client.heard.result['stamp'])
+    graph.wait(lambda: graph.client.latest.result, 'result', 120.0)
+    assert graph.client.latest.result['outcome'] == 'succeeded', graph.client.latest.result
+    end = int(graph.client.latest.result['stamp'])
     times, again = graph.client.final_poses(end, 60.0)
     np.testing.assert_allclose(again[-1, :2], poses[-1, :2], rtol=0, atol=AT_THE_END)
     np.testing.assert_allclose(np.cos(again[-1, 2] - poses[-1, 2]), 1.0, atol=AT_THE_END**2)

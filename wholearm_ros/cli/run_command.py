@@ -123,7 +123,7 @@ def _run(scenario: Scenario, options: RunOptions) -> RunReport:
     _interrupt_on_sigterm()
     try:
         with view_on(out) as view:
-            return run_graph(scenario, options, view, attend=view.attend)
+            return run_graph(scenario, options, view, on_client_ready=view.on_client_ready)
     except KeyboardInterrupt:
         out.print('interrupted: every node has been stopped')
         raise typer.Exit(INTERRUPTED) from None

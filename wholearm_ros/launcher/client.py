@@ -30,13 +30,14 @@ class GraphError(WholeArmError):
 
 
 @dataclass
-class Heard:
+class LatestMessages:
     """The newest of each kind of message."""
 
     plan: ContactPlan = None
     planner: dict = field(default_factory=dict)
     trajectory: ManipulationTrajectory = None
     mode: str = ''
+    progress: dict = field(default_factory=dict)  # of the mode switcher
     feedback: dict = field(default_factory=dict)
     result: dict = field(default_factory=dict)
     result_message: str = ''
@@ -49,7 +50,7 @@ class Client:
     def __init__(
         self, watch=lambda: None, name: str = 'wholearm_client', namespace: str = channels.NAMESPACE
     ):
-        self.heard, self.watch, self._request_stamp = Heard(), watch, ''
+        self.latest, self.watch, self._request_stamp = LatestMessages(), watch, ''
         choose_transport()
         self.context = rclpy.Context()
         rclpy.init(
@@ -71,6 +72,7 @@ class Client:
             (channels.PLANNER_STATUS, self._on_planner),
             (channels.MANIPULATION_TRAJECTORY, self._on_trajectory),
             (channels.MODE, self._on_mode),
+            (channels.PROGRESS, self._on_progress),
             (channels.FEEDBACK, self._on_feedback),
             (channels.RESULT, self._on_result),
         ):
@@ -130,7 +132,7 @@ class Client:
         return future.result()
 
     def send_goal(self, plan_id: str):
-        self.heard.result, stamp = {}, self.node.get_clock().now().to_msg()
+        self.latest.result, stamp = {}, self.node.get_clock().now().to_msg()
         self._request_stamp = str(to_nanoseconds(stamp))
         self._goal.publish(goal_message(to_goal_id(plan_id), stamp))
 
@@ -140,36 +142,39 @@ class Client:
     def final_poses(self, stamp: int, seconds: float):
         """(m,) [s] and (m, 3): the object's poses up to the first one at or after `stamp` [ns]."""
         self.wait(
-            lambda: self.heard.poses and max(self.heard.poses) >= stamp, seconds, 'object_pose'
+            lambda: self.latest.poses and max(self.latest.poses) >= stamp, seconds, 'object_pose'
         )
-        stamps = sorted(self.heard.poses)
+        stamps = sorted(self.latest.poses)
         stamps = stamps[: 1 + next(k for k, s in enumerate(stamps) if s >= stamp)]
-        return np.array(stamps) / NANOSECONDS, np.array([self.heard.poses[s] for s in stamps])
+        return np.array(stamps) / NANOSECONDS, np.array([self.latest.poses[s] for s in stamps])
 
     def _on_plan(self, message):
-        self.heard.plan = ContactPlan.from_json(message.data)
+        self.latest.plan = ContactPlan.from_json(message.data)
 
     def _on_planner(self, message):
-        self.heard.planner = {'message': message.message, **values_of(message)}
+        self.latest.planner = {'message': message.message, **values_of(message)}
 
     def _on_trajectory(self, message):
-        self.heard.trajectory = ManipulationTrajectory.from_json(message.data)
+        self.latest.trajectory = ManipulationTrajectory.from_json(message.data)
 
     def _on_mode(self, message):
-        self.heard.mode = message.data
+        self.latest.mode = message.data
+
+    def _on_progress(self, message):
+        self.latest.progress = values_of(message)
 
     def _on_feedback(self, message):
-        self.heard.feedback = values_of(message)
+        self.latest.feedback = values_of(message)
 
     def _on_result(self, message):
         values = values_of(message)
         if (
             values.get('request_stamp', self._request_stamp) == self._request_stamp
         ):  # not another client's rejection
-            self.heard.result, self.heard.result_message = values, message.message
+            self.latest.result, self.latest.result_message = values, message.message
 
     def _on_pose(self, message):
-        self.heard.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')
+        self.latest.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')
 
 
 def _guarded(hear):

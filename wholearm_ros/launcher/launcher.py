@@ -108,11 +108,11 @@ def run_graph(
     options: RunOptions,
     tell: Callable[..., None],
     log_directory: Path = None,
-    attend: Callable[[Client], None] = lambda client: None,
+    on_client_ready: Callable[[Client], None] = lambda client: None,
 ) -> RunReport:
     """Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1.
 
-    attend: is given the client before anything happens, to listen to more of the run.
+    on_client_ready: is given the client before anything happens, to listen to more of the run.
     """
     with alone_in_domain(), tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
         with Processes(Path(log_directory or scratch)) as processes:
@@ -120,7 +120,7 @@ def run_graph(
                 processes.start(node, parameters)
             client = Client(watch=processes.check)
             try:
-                attend(client)
+                on_client_ready(client)
                 return _plan_and_execute(client, scenario, options, tell)
             finally:
                 client.close()
@@ -141,56 +141,56 @@ def _plan_and_execute(client: Client, scenario, options, tell) -> RunReport:
     answer = client.call(channels.PLAN_SCENARIO, START_WITHIN + options.time_budget)
     clock.append(time.monotonic())
     tell(answer.message)
-    heard = client.heard
+    latest = client.latest
     if not answer.success:
-        return RunReport(False, answer.message, heard.planner, {}, None, {}, _timings(clock))
+        return RunReport(False, answer.message, latest.planner, {}, None, {}, _timings(clock))
     client.wait(
-        lambda: heard.plan and heard.trajectory and heard.trajectory.plan_id == heard.plan.id,
+        lambda: latest.plan and latest.trajectory and latest.trajectory.plan_id == latest.plan.id,
         SLACK,
         'manipulation_trajectory',
     )
-    client.send_goal(heard.plan.id)
+    client.send_goal(latest.plan.id)
     _follow(client, options, tell)
     clock.append(time.monotonic())
     judged = _judge(client, scenario)
     return RunReport(
         True,
         answer.message,
-        heard.planner,
-        heard.result,
+        latest.planner,
+        latest.result,
         judged,
-        heard.trajectory.time_in_modes(),
+        latest.trajectory.time_in_modes(),
         _timings(clock),
-        len(heard.plan.path),
+        len(latest.plan.path),
     )
 
 
 def _follow(client: Client, options, tell):
-    heard = client.heard
+    latest = client.latest
     slowness = LOCKSTEP_SLOWNESS if options.pacing == 'lockstep' else 1.0
-    deadline = time.monotonic() + heard.trajectory.duration * slowness + SLACK
-    while not heard.result:
-        before = heard.feedback
+    deadline = time.monotonic() + latest.trajectory.duration * slowness + SLACK
+    while not latest.result:
+        before = latest.feedback
         client.wait(
-            lambda: heard.result or heard.feedback is not before,
+            lambda: latest.result or latest.feedback is not before,
             max(0.1, deadline - time.monotonic()),
             'trajectory_generator/result',
         )
-        if heard.feedback.get('mode'):
-            tell(heard.feedback['mode'], float(heard.feedback['progress'] or 0.0))
-    tell(heard.result_message, 1.0)
+        if latest.feedback.get('mode'):
+            tell(latest.feedback['mode'], float(latest.feedback['progress'] or 0.0))
+    tell(latest.result_message, 1.0)
 
 
 def _judge(client: Client, scenario) -> Outcome:
-    stamp = int(client.heard.result.get('stamp') or 0)
+    stamp = int(client.latest.result.get('stamp') or 0)
     times, poses = client.final_poses(stamp, SLACK)
     poses[:, 2] = np.unwrap(poses[:, 2])
     poses[:, 2] += 2 * np.pi * np.round((start_rotation(scenario) - poses[0, 2]) / (2 * np.pi))
     nothing = np.zeros((len(times), 2))
     reason = (
         ''
-        if client.heard.result.get('outcome') == 'succeeded'
-        else client.heard.result.get('reason', '')
+        if client.latest.result.get('outcome') == 'succeeded'
+        else client.latest.result.get('reason', '')
     )
     return outcome(
         scenario,

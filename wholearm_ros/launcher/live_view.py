@@ -12,7 +12,6 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.hand import CLOSING, JOINT_NAMES, SIDES
 from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
@@ -134,10 +133,10 @@ def torque_bar(moment: Moment) -> Text:
 
 
 class LiveView:
-    """A context that draws in a terminal. Called with each step; `attend` gives it the client whose run is shown."""
+    """A context that draws in a terminal. Called with each step; `on_client_ready` gives it the client whose run is shown."""
 
     def __init__(self, console: Console):
-        self._step, self._client, self._joints, self._began = '', None, None, None
+        self._step, self._client, self._joints = '', None, None
         self._live = Live(self, console=console, refresh_per_second=RATE, transient=True)
 
     def __enter__(self):
@@ -150,7 +149,7 @@ class LiveView:
     def __call__(self, step: str, share: float = 0.0):
         self._step = step
 
-    def attend(self, client):
+    def on_client_ready(self, client):
         """Listens to the joints: raw bytes, so that a message costs next to nothing until one is drawn."""
         newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
         client.node.create_subscription(
@@ -165,17 +164,24 @@ class LiveView:
         return picture(self._step, self._moment())
 
     def _moment(self):
-        heard = self._client and self._client.heard
-        if not heard or heard.trajectory is None or heard.mode in RESTING or self._joints is None:
+        latest = self._client and self._client.latest
+        if (
+            not latest
+            or latest.trajectory is None
+            or latest.mode in RESTING
+            or self._joints is None
+        ):
+            return None
+        start = latest.progress.get('trajectory start')
+        if not start:
             return None
         message = deserialize_message(self._joints, channels.JOINT_STATES.type)
-        stamp = to_nanoseconds(message.header.stamp) / NANOSECONDS
-        self._began = stamp if self._began is None else self._began
+        time = (to_nanoseconds(message.header.stamp) - int(start)) / NANOSECONDS
         order = [list(message.name).index(name) for name in JOINT_NAMES]
         return moment_of(
-            heard.trajectory,
-            heard.mode,
-            stamp - self._began - ControlOptions().ramp,
+            latest.trajectory,
+            latest.mode,
+            time,
             np.array(message.position)[order],
             np.array(message.effort)[order],
         )
@@ -198,7 +204,7 @@ class PlainView:
             self._console.print(Text(step), soft_wrap=True)
         self._last = step
 
-    def attend(self, client):
+    def on_client_ready(self, client):
         """Nothing to draw, nothing to hear."""
 
 

@@ -87,14 +87,14 @@ class ContactStatePlanner(WholeArmNode):
         self.busy, self.planned = False, 0
         self.contact_plan = self.publisher(channels.CONTACT_PLAN)
         self.status = self.publisher(channels.PLANNER_STATUS)
-        self.tell(
+        self.publish_status(
             OK,
             'loading the compiled kernels; the first time they are compiled, which takes a minute',
         )
         warm()  # before anybody can ask: no request pays for it
         self.service(channels.PLAN, self.on_plan)
         self.service(channels.PLAN_SCENARIO, self.on_plan_scenario)
-        self.tell(OK, 'ready')
+        self.publish_status(OK, 'ready')
 
     async def on_plan_scenario(self, _, response):
         response.success, response.message, _ = await self.answer(
@@ -133,7 +133,7 @@ class ContactStatePlanner(WholeArmNode):
         self.busy, done = True, Future(executor=self.executor)
         try:
             scenario = make_scenario()
-            self.tell(OK, f'planning {scenario.name}')
+            self.publish_status(OK, f'planning {scenario.name}')
             threading.Thread(
                 target=self.plan, args=(scenario, self.request(), done), daemon=True
             ).start()
@@ -160,7 +160,7 @@ class ContactStatePlanner(WholeArmNode):
         self.executor.wake()  # it looks at who awaits only when something else happens
 
     def no_plan(self, reason: str):
-        self.tell(WARN, reason)
+        self.publish_status(WARN, reason)
         return False, reason, None
 
     def publish(self, result):
@@ -168,7 +168,7 @@ class ContactStatePlanner(WholeArmNode):
         self.planned += found
         if found:
             self.contact_plan.publish(String(data=plan.to_json()))
-        self.tell(
+        self.publish_status(
             OK if found else WARN,
             plan.summary(),
             {
@@ -192,7 +192,7 @@ class ContactStatePlanner(WholeArmNode):
             min_success=p.min_success,
         )
 
-    def tell(self, level, message, values=None):
+    def publish_status(self, level, message, values=None):
         self.status.publish(status_message(self.get_fully_qualified_name(), level, message, values))
         if level == OK:
             self.get_logger().info(message)

@@ -3,6 +3,7 @@
 import sys
 import time
 from dataclasses import replace
+from typing import Any
 
 from action_msgs.msg import GoalStatus
 from std_msgs.msg import String
@@ -21,6 +22,7 @@ from wholearm_ros.ros.interface.messages import (
     effort_bytes,
     goal_id_of,
     goal_name,
+    status_message,
     to_joints,
     to_nanoseconds,
     velocity_setpoint_bytes,
@@ -29,6 +31,7 @@ from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.execution import Execution, jumped
 from wholearm_ros.ros.node.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
+from wholearm_ros.ros.node.stamp_age import StampAge
 
 DECLARED = (
     PACING,
@@ -49,6 +52,7 @@ DECLARED = (
     ),
 )
 WATCH_PERIOD = 0.01  # [s]
+PROGRESS_PERIOD = 0.1  # [s]; the generator misses the switcher after a few of them
 CONTROLLERS_WITHIN = 5.0  # [s] after a goal, both must listen to their setpoints
 
 
@@ -65,9 +69,10 @@ class ModeSwitcher(WholeArmNode):
         self.execution = self.wanted = self.last_goal = None
         self.text = self.trajectory = self.joints = None
         self.stamp, self.states, self.answered, self.heard = -1, 0, False, time.monotonic()
-        self.mode, self.reason = '', ''
+        self.mode, self.reason, self.age = '', '', StampAge()
 
         self.mode_topic = self.publisher(channels.MODE)
+        self.progress = self.publisher(channels.PROGRESS)
         self.velocity_setpoint = self.publisher(channels.VELOCITY_SETPOINT)
         self.torque_setpoint = self.publisher(channels.TORQUE_SETPOINT)
         self.setpoints = b'', b''  # the last ones, as published
@@ -76,7 +81,8 @@ class ModeSwitcher(WholeArmNode):
         self.subscription(channels.JOINT_STATES, self.on_joints)
         self.service(channels.STOP, self.on_stop)
         self.every(WATCH_PERIOD, self.watch)
-        self.tell(IDLE, '')
+        self.every(PROGRESS_PERIOD, self.publish_progress)
+        self.publish_mode(IDLE, '')
 
     def on_trajectory(self, message):
         self.text, self.trajectory = message.data, None
@@ -137,21 +143,24 @@ class ModeSwitcher(WholeArmNode):
         self.joints, self.stamp, self.states, self.answered = joints, stamp, self.states + 1, False
         if self.execution and (backwards or jumped(before, joints)):
             self.give_up('time went backwards' if backwards else 'the hand was reset', after=IDLE)
-        self.act()
+        if backwards:
+            self.age = StampAge()
+        self.act(0.0 if self.lockstep else self.age(stamp, time.monotonic_ns()))
 
-    def act(self):
+    def act(self, age: float = 0.0):
+        """On joint states that are `age` [s] old; in lockstep time stands still, so they never are."""
         if self.wanted:
             self.begin()
         if not self.execution or (self.lockstep and self.execution.over):
             return  # in lockstep time stands still while nothing runs
-        motion, torque = self.execution.step(self.stamp, self.joints)
+        motion, torque = self.execution.step(self.stamp, self.joints, age)
         self.setpoints = (
             velocity_setpoint_bytes(self.stamp, motion),
             effort_bytes(self.stamp, torque.joint, torque.effort),
         )
         self.publish_setpoints()
         if self.execution.mode != self.mode:
-            self.tell(self.execution.mode, self.execution.reason)
+            self.publish_mode(self.execution.mode, self.execution.reason)
 
     def publish_setpoints(self):
         for topic, setpoint in zip((self.velocity_setpoint, self.torque_setpoint), self.setpoints):
@@ -169,18 +178,20 @@ class ModeSwitcher(WholeArmNode):
         return self.execution is not None and self.execution.mode not in (DONE, STOPPED)
 
     def stop(self, reason: str):
-        self.wanted = None
-        if self.execution and self.execution.mode != STOPPED:
+        if self.wanted:  # it has not begun, and does not any more
+            self.last_goal, self.wanted = self.wanted, None
+            self.publish_mode(STOPPED, reason)
+        elif self.execution and self.execution.mode != STOPPED:
             self.execution.stop(self.joints, reason)
-            self.tell(STOPPED, reason)
+            self.publish_mode(STOPPED, reason)
 
     def give_up(self, reason: str, after: str = STOPPED):
         """Without further setpoints: the drives hold the fingers."""
         was_running, self.execution = self.running(), None
         if was_running or after == STOPPED:
-            self.tell(STOPPED, reason)
+            self.publish_mode(STOPPED, reason)
         if after == IDLE:
-            self.tell(IDLE, reason)
+            self.publish_mode(IDLE, reason)
 
     def on_stop(self, _, response):
         running = self.execution is not None
@@ -196,23 +207,38 @@ class ModeSwitcher(WholeArmNode):
         if self.running() and silence > self.timeout:
             self.give_up(f'no joint_states for {silence:.3f} s; allowed: {self.timeout} s')
 
-    def tell(self, mode: str, reason: str):
+    def publish_mode(self, mode: str, reason: str):
         self.mode, self.reason = mode, reason
-        self.report()  # the reason first
+        self.publish_progress()  # the reason first
+        self.report()
         self.mode_topic.publish(String(data=mode))
         self.get_logger().info(f'{mode}: {reason}' if reason else mode)
 
-    def health(self):
+    def publish_progress(self):
+        level, message, _ = self.health()
+        name = self.get_fully_qualified_name()
+        self.progress.publish(status_message(name, level, message, self.progress_values()))
+
+    def progress_values(self) -> dict[str, Any]:
+        """Of the goal that runs, or ran last. trajectory_start: stamp at which the trajectory's time is zero."""
         run = self.execution
-        values = {
+        started = run.trajectory_start if run else None
+        return {
             'mode': self.mode,
             'reason': self.reason,
             'goal': self.last_goal[0] if self.last_goal else '',
             'goal stamp': self.last_goal[1] if self.last_goal else 0,
+            'pacing': self.parameters.pacing,
             'stamp': self.stamp,
-            'states': self.states,
+            'trajectory start': '' if started is None else started,
             'progress': run.progress if run else 0.0,
             'time left s': run.time_left if run else 0.0,
+        }
+
+    def health(self):
+        values = {
+            **self.progress_values(),
+            'states': self.states,
             'silence ms': 1e3 * (time.monotonic() - self.heard),
         }
         return ERROR if self.mode == STOPPED else OK, self.reason or self.mode, values

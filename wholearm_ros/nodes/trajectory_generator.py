@@ -41,32 +41,25 @@ from wholearm_ros.trajectory.main_trajectory import generate
 DECLARED = (
     Declared(
         'switcher_timeout',
-        5.0,
-        'without a word of the mode switcher beyond which a goal is aborted [s]',
+        0.4,
+        'without a word of the mode switcher beyond which a goal is aborted; in lockstep at least 10 [s]',
         0.1,
         600.0,
     ),
 )
-WATCH_PERIOD = 0.1  # [s]
-AFTERWORD = (
-    0.1  # [s] after done or stopped, in which the switcher's reason and last stamp may still come
-)
+WATCH_PERIOD = 0.05  # [s]
+PATIENCE_IN_LOCKSTEP = 10.0  # [s]: processes may take the time they need
 
 
 class TrajectoryGenerator(WholeArmNode):
-    """contact_plan → trajectories; goal, cancel, mode → status, feedback, result."""
+    """contact_plan → trajectories; goal, cancel, progress → status, feedback, result."""
 
     def __init__(self):
         super().__init__('trajectory_generator', DECLARED)
-        self.goals, self.trajectory, self.plan_id, self.mode, self.ran = (
-            Goals(),
-            None,
-            None,
-            '',
-            False,
-        )
-        self.heard, self.said, self.last_word, self.last_stamp = 0.0, {}, None, 0
+        self.goals, self.trajectory, self.plan_id = Goals(), None, None
+        self.progress, self.progress_at, self.last_stamp = {}, 0.0, 0  # of the switcher; [s]; [ns]
 
+        self.accepted_at = 0.0  # [s]
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
         self.manipulation_trajectory = self.publisher(channels.MANIPULATION_TRAJECTORY)
         self.markers = self.publisher(channels.MARKERS)
@@ -76,10 +69,8 @@ class TrajectoryGenerator(WholeArmNode):
         self.subscription(channels.CONTACT_PLAN, self.on_plan)
         self.subscription(channels.GOAL, self.on_goal)
         self.subscription(channels.CANCEL, self.on_cancel)
-        self.subscription(channels.MODE, self.on_mode)
-        self.subscription(channels.DIAGNOSTICS, self.on_diagnostics)
+        self.subscription(channels.PROGRESS, self.on_progress)
         self.every(WATCH_PERIOD, self.watch)
-        self.switcher = self.get_namespace().rstrip('/') + '/mode_switcher'
         self.publish_status()
 
     def on_plan(self, message):
@@ -112,7 +103,7 @@ class TrajectoryGenerator(WholeArmNode):
             set_stamp(info.stamp, self.last_stamp)
             self.goals.accept(info)
             self.publish_status()
-            self.heard, self.last_word, self.said, self.ran = time.monotonic(), None, {}, False
+            self.accepted_at = time.monotonic()
             self.watch()
 
     def reject(self, request, reason: str):
@@ -130,31 +121,26 @@ class TrajectoryGenerator(WholeArmNode):
         goal, active = goal_id_of(message), self.goals.active
         if active and active.status != CANCELING and goal in (NO_GOAL, goal_id_of(active.info)):
             self.goals.move(CANCELING)
-            self.heard = time.monotonic()
             self.publish_status()
 
-    def on_mode(self, message):
-        self.heard, self.mode = time.monotonic(), message.data
-        if not self.goals.active:
+    def on_progress(self, message):
+        """Of the mode switcher, ten times a second and at every change of its mode."""
+        self.progress, self.progress_at = values_of(message), time.monotonic()
+        active = self.goals.active
+        if not active:
             return
-        if message.data not in (DONE, STOPPED, IDLE):
-            self.ran = True
-        elif not self.last_word and (self.ran or message.data == STOPPED):
-            self.last_word = message.data, time.monotonic()
+        goal = goal_name(goal_id_of(active.info)), str(to_nanoseconds(active.info.stamp))
+        its_own = (self.progress.get('goal'), self.progress.get('goal stamp')) == goal
+        self.publish_feedback(self.progress if its_own else {})
+        if its_own and self.progress.get('mode') in (DONE, STOPPED, IDLE):
+            self.conclude(self.progress['mode'], active.status == CANCELING)
 
-    def on_diagnostics(self, message):
-        for status in message.status:
-            if status.name == self.switcher:
-                self.heard, self.said = time.monotonic(), values_of(status)
-                if self.goals.active:
-                    self.publish_feedback()
-
-    def publish_feedback(self):
+    def publish_feedback(self, progress: dict[str, str]):
         values = {
             'goal_id': goal_name(goal_id_of(self.goals.active.info)),
-            'mode': self.said.get('mode', ''),
-            'progress': self.said.get('progress', ''),
-            'time_left': self.said.get('time left s', ''),
+            'mode': progress.get('mode', ''),
+            'progress': progress.get('progress', ''),
+            'time_left': progress.get('time left s', ''),
         }
         self.feedback.publish(
             status_message(
@@ -163,38 +149,37 @@ class TrajectoryGenerator(WholeArmNode):
         )
 
     def watch(self):
-        if not self.goals.active:
+        active = self.goals.active
+        if not active:
             return
-        now = time.monotonic()
-        if self.goals.active.status == ACCEPTED and self.mode:  # a mode switcher is there
-            self.goals.move(EXECUTING)
+        silence = time.monotonic() - max(self.progress_at, self.accepted_at)
+        if active.status == ACCEPTED and self.progress and silence < self.patience():
+            self.goals.move(EXECUTING)  # a mode switcher is there
             self.publish_status()
-            self.get_logger().info(
-                f'executing plan {goal_name(goal_id_of(self.goals.active.info))[:8]}'
-            )
-        if self.last_word and now - self.last_word[1] > AFTERWORD:
-            self.conclude(self.last_word[0], self.goals.active.status == CANCELING)
-        elif now - self.heard > self.parameters.switcher_timeout:
-            self.end(
-                ABORTED, f'nothing from the mode switcher for {self.parameters.switcher_timeout} s'
-            )
+            self.get_logger().info(f'executing plan {goal_name(goal_id_of(active.info))[:8]}')
+        elif silence > self.patience():
+            self.end(ABORTED, f'nothing from the mode switcher for {silence:.2f} s')
+
+    def patience(self) -> float:
+        """[s] without a word of the mode switcher; before its first one, as in lockstep."""
+        timeout = self.parameters.switcher_timeout
+        in_real_time = self.progress.get('pacing') == 'realtime'
+        return timeout if in_real_time else max(timeout, PATIENCE_IN_LOCKSTEP)
 
     def conclude(self, mode: str, canceling: bool):
         if mode == DONE:
-            self.end(SUCCEEDED, 'the trajectory was led to its end')
+            self.end(SUCCEEDED, 'the trajectory was tracked to its end')
         else:
-            self.end(
-                CANCELED if canceling else ABORTED,
-                self.said.get('reason') or f'the mode switcher is {mode}',
-            )
+            reason = self.progress.get('reason') or f'the mode switcher is {mode}'
+            self.end(CANCELED if canceling else ABORTED, reason)
 
     def end(self, status: int, reason: str):
         goal = self.goals.move(status, reason)
         self.publish_status()
         values = {
             'reason': reason,
-            'stamp': self.said.get('stamp', ''),
-            'progress': self.said.get('progress', ''),
+            'stamp': self.progress.get('stamp', ''),
+            'progress': self.progress.get('progress', ''),
             'duration': self.trajectory.duration,
         }
         name = NAMES[status]

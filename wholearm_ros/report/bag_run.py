@@ -4,10 +4,8 @@ from pathlib import Path
 from typing import Dict, List, Tuple
 
 import numpy as np
-from rosbags.highlevel import AnyReader, AnyReaderError
-from rosbags.typesys import Stores, get_typestore
 
-from wholearm_ros.bag.mcap_repair import opened_whole
+from wholearm_ros.bag.reader import NANOSECONDS, Bag, planar_of, stamp_of, values_of
 from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import BagError
@@ -25,6 +23,7 @@ READ = (
     *NEEDED,
     'object_pose',
     'mode_switcher/mode',
+    'mode_switcher/progress',
     'trajectory_generator/result',
     'contact_state_planner/status',
 )
@@ -59,27 +58,8 @@ def read_bag(path: Path) -> Tuple[ContactPlan, ManipulationTrajectory, RunView]:
 
 def _messages(path: Path) -> Dict[str, Messages]:
     """(log time [ns], message) by topic, whatever the namespace."""
-    directory = path.parent if path.suffix in ('.mcap', '.db3') else path
-    heard = {topic: [] for topic in READ}
-    try:
-        with (
-            opened_whole(directory) as whole,
-            AnyReader([whole], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag,
-        ):
-            topics = {
-                c.topic: topic
-                for topic in READ
-                for c in bag.connections
-                if c.topic.endswith('/' + topic)
-            }
-            wanted = [c for c in bag.connections if c.topic in topics]
-            for connection, when, data in bag.messages(wanted) if wanted else ():
-                heard[topics[connection.topic]].append(
-                    (when, bag.deserialize(data, connection.msgtype))
-                )
-    except (AnyReaderError, OSError, ValueError, KeyError, AssertionError) as error:
-        raise BagError(f'{path}: cannot be read as a bag: {error}') from error
-    return heard
+    with Bag(path.parent if path.suffix in ('.mcap', '.db3') else path) as bag:
+        return bag.timed_messages(READ)
 
 
 def _began(heard) -> Tuple[int, float]:
@@ -106,7 +86,8 @@ def _view(path, heard, plan, trajectory, began) -> RunView:
         raise BagError(
             f'{path}: no joint_states of the run; allowed: a bag recorded from planning to the end of a run'
         )
-    stamps, times = joints[:, 0], joints[:, 0] - began[1] - ControlOptions().ramp
+    start = _trajectory_start(heard, began[1], over)
+    stamps, times = joints[:, 0], joints[:, 0] - start
     poses, known = _poses(heard['object_pose'], stamps, plan.scenario)
     reason = (
         ''
@@ -117,7 +98,7 @@ def _view(path, heard, plan, trajectory, began) -> RunView:
         trajectory,
         times,
         STOPPED if reason and result else '',
-        over - began[1] - ControlOptions().ramp,
+        over - start,
     )
     judged = None
     if known:
@@ -150,6 +131,17 @@ def _view(path, heard, plan, trajectory, began) -> RunView:
     )
 
 
+def _trajectory_start(heard, began: float, over: float) -> float:
+    """The stamp [s] at which the trajectory's time is zero, as the mode switcher says; in bags of before it said so, a
+    ramp of the default length after the first setpoint."""
+    for _, message in reversed(heard['mode_switcher/progress']):
+        told = values_of(message)
+        start = int(told.get('trajectory start') or 0) / NANOSECONDS
+        if began <= start and began <= int(told['stamp']) / NANOSECONDS <= over:
+            return start
+    return began + ControlOptions().ramp
+
+
 def _modes(trajectory, times, stopped, over) -> tuple:
     """The switch follows the trajectory's clock, so its modes follow from the time; a stop is told in the result."""
     ends = np.array([s.end for s in trajectory.segments])
@@ -163,7 +155,7 @@ def _modes(trajectory, times, stopped, over) -> tuple:
 
 def _result(heard, began: float) -> dict:
     for _, message in reversed(heard['trajectory_generator/result']):
-        values = {pair.key: pair.value for pair in message.values}
+        values = values_of(message)
         if float(values.get('stamp', 0) or 0) / 1e9 >= began:
             return values
     return {}
@@ -182,7 +174,7 @@ def _joints(messages: Messages) -> np.ndarray:
 
 def _poses(messages: Messages, stamps: np.ndarray, scenario) -> Tuple[np.ndarray, bool]:
     """(m, 3) at `stamps`, the rotation continuous from the scenario's start; and whether there are any."""
-    rows = {_stamp(m): _planar(m.pose) for _, m in messages}
+    rows = {_stamp(m): planar_of(m.pose) for _, m in messages}
     kept = [stamp for stamp in sorted(rows) if stamps[0] - 1.0 <= stamp <= stamps[-1] + 1.0]
     if len(kept) < 2:
         return np.full((len(stamps), 3), np.nan), False
@@ -195,7 +187,7 @@ def _poses(messages: Messages, stamps: np.ndarray, scenario) -> Tuple[np.ndarray
 def _facts(path, heard, began) -> dict:
     facts = {'source': f'bag {Path(path).name}'}
     for _, message in heard['contact_state_planner/status'][::-1]:
-        values = {pair.key: pair.value for pair in message.values}
+        values = values_of(message)
         if 'plan_ms' in values:
             facts |= {
                 f'{name.removesuffix("_ms")} time': f'{float(values[name]):.0f} ms'
@@ -213,9 +205,4 @@ def _facts(path, heard, began) -> dict:
 
 def _stamp(message) -> float:
     """[s]"""
-    return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
-
-
-def _planar(pose) -> tuple:
-    q = pose.orientation
-    return pose.position.x, pose.position.y, float(np.arctan2(2 * q.w * q.z, q.w**2 - q.z**2))
+    return stamp_of(message) / NANOSECONDS

@@ -65,6 +65,7 @@ JOINT_TRAJECTORY = Topic('trajectory_generator/joint_trajectory', JointTrajector
 MANIPULATION_TRAJECTORY = Topic('trajectory_generator/manipulation_trajectory', String, LATCHED)
 
 MODE = Topic('mode_switcher/mode', String, LATCHED)
+PROGRESS = Topic('mode_switcher/progress', DiagnosticStatus, RELIABLE)
 STOP = Service('mode_switcher/stop', Trigger)
 VELOCITY_SETPOINT = Topic('velocity_setpoint', JointState, NEWEST)
 TORQUE_SETPOINT = Topic('torque_setpoint', JointState, NEWEST)

@@ -1,7 +1,9 @@
 """One execution of a trajectory: the mode switch on the stamps of the joint states, and its settling at the end."""
 
-from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch
-from wholearm_ros.control.setpoints import ControlOptions, Joints
+from typing import Optional
+
+from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch, SwitchState
+from wholearm_ros.control.setpoints import ControlOptions, Joints, TorqueSetpoint, VelocitySetpoint
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface.messages import NANOSECONDS
 
@@ -16,32 +18,34 @@ class Execution:
     Times count from the first stamp, so the same run at another time is the same to the last bit.
     """
 
-    def __init__(self, trajectory: ManipulationTrajectory, options: ControlOptions, settle: float):
+    def __init__(
+        self, trajectory: ManipulationTrajectory, options: ControlOptions, settle: float
+    ) -> None:
         self._switch, self._settle = ModeSwitch(trajectory, options), settle
-        self.trajectory, self.state = trajectory, None
-        self._began = self._ended = None
+        self.trajectory = trajectory
+        self.state: SwitchState = self._switch.initial()
+        self._began: Optional[int] = None
+        self._ended: Optional[int] = None
         self.mode, self.over = IDLE, False
 
-    def step(self, stamp: int, joints: Joints):
-        """Both setpoints for the joint states at `stamp`."""
+    def step(
+        self, stamp: int, joints: Joints, age: float = 0.0
+    ) -> tuple[VelocitySetpoint, TorqueSetpoint]:
+        """Both setpoints for the joint states at `stamp`, which are `age` [s] old."""
         if self._began is None:
-            self._began, self.state = stamp, self._switch.initial()
+            self._began = stamp
         now = (stamp - self._began) / NANOSECONDS
-        relative = Joints(now, joints.angles, joints.velocities, joints.efforts)
+        relative = Joints(now - age, joints.angles, joints.velocities, joints.efforts)
         self.state, motion, torque = self._switch.step(self.state, now, relative)
         self._follow(stamp)
         return motion, torque
 
-    def stop(self, joints: Joints, reason: str):
+    def stop(self, joints: Joints, reason: str) -> None:
         """On request: the fingers hold the object where that is possible."""
-        state = self._switch.initial() if self.state is None else self.state
-        self.state, self.mode, self._ended = (
-            self._switch.stop(state, joints, reason, hold=True),
-            STOPPED,
-            None,
-        )
+        self.state = self._switch.stop(self.state, joints, reason, hold=True)
+        self.mode, self._ended = STOPPED, None
 
-    def _follow(self, stamp: int):
+    def _follow(self, stamp: int) -> None:
         if self.state.mode in (DONE, STOPPED):
             self._ended = stamp if self._ended is None else self._ended
             self.over = stamp - self._ended >= self._settle * NANOSECONDS
@@ -50,19 +54,25 @@ class Execution:
 
     @property
     def reason(self) -> str:
-        return self.state.reason if self.state else ''
+        """Why it was stopped, or nothing."""
+        return self.state.reason
 
     @property
     def progress(self) -> float:
-        return self.state.progress if self.state else 0.0
+        """Share of the trajectory, 0 to 1."""
+        return self.state.progress
 
     @property
     def time_left(self) -> float:
         """[s] until done."""
-        return max(
-            0.0,
-            self.trajectory.duration - (self.state.elapsed if self.state else 0.0) + self._settle,
-        )
+        return max(0.0, self.trajectory.duration - self.state.elapsed + self._settle)
+
+    @property
+    def trajectory_start(self) -> Optional[int]:
+        """The stamp [ns] at which the trajectory's own time is zero, after the ramp; None before the first state."""
+        if self._began is None or self.state.began is None:
+            return None
+        return self._began + round((self.state.began + self._switch.options.ramp) * NANOSECONDS)
 
 
 def jumped(before: Joints, after: Joints) -> bool:

@@ -1,0 +1,72 @@
+"""One execution on the stamps of the joint states: stopped before its first step, of stale states, and its clock."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+
+from wholearm_ros.control.mode_switch import STOPPED  # noqa: E402
+from wholearm_ros.control.setpoints import ControlOptions, Joints  # noqa: E402
+from wholearm_ros.model.hand import LEFT  # noqa: E402
+from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment  # noqa: E402
+from wholearm_ros.ros.node.execution import Execution  # noqa: E402
+from wholearm_ros.ros.node.stamp_age import WINDOW, StampAge  # noqa: E402
+
+MILLISECOND = 1_000_000
+FIRST = 5_000_000_000  # [ns]
+
+
+def execution(options: ControlOptions = ControlOptions()) -> Execution:
+    flat = np.zeros((101, 2))
+    segments = (Segment(0.0, 1.0, QUASI_STATIC, LEFT),)
+    trajectory = ManipulationTrajectory(
+        'plan', 0.01, flat, flat, flat, np.full((101, 2), np.nan), np.zeros((101, 3)), segments
+    )
+    return Execution(trajectory, options, 0.5)
+
+
+def joints(stamp: int) -> Joints:
+    return Joints(stamp / 1e9, np.zeros(2), np.zeros(2), np.zeros(2))
+
+
+def test_a_stop_before_the_first_step_stays():
+    run = execution()
+    run.stop(joints(FIRST), 'asked to')
+    for k in range(5):
+        run.step(FIRST + k * MILLISECOND, joints(FIRST))
+        assert run.mode == STOPPED and run.reason == 'asked to'
+
+
+def test_stale_joint_states_stop_the_run():
+    run, allowed = execution(), ControlOptions().stale_after
+    run.step(FIRST, joints(FIRST), 0.5 * allowed)
+    assert run.mode == QUASI_STATIC
+    run.step(FIRST + MILLISECOND, joints(FIRST), 2 * allowed)
+    assert run.mode == STOPPED and 'joint states are 0.200 s old' in run.reason
+
+
+@pytest.mark.parametrize('ramp', [0.3, 1.2])
+def test_the_trajectory_starts_a_ramp_after_the_first_state(ramp):
+    run = execution(ControlOptions(ramp=ramp))
+    assert run.trajectory_start is None
+    run.step(FIRST, joints(FIRST))
+    assert run.trajectory_start == FIRST + round(ramp * 1e9)
+
+
+@pytest.mark.parametrize('offset', [0, 10**18, -(10**15)])
+def test_age_is_that_beside_the_freshest_message_whatever_the_senders_clock(offset):
+    age = StampAge()
+    for k in range(1000):
+        assert age(FIRST + k * MILLISECOND + offset, FIRST + k * MILLISECOND) == 0.0
+    late = FIRST + 1000 * MILLISECOND
+    assert age(late + offset, late + 200 * MILLISECOND) == pytest.approx(0.2)
+
+
+def test_a_sender_that_lags_for_good_is_no_longer_late():
+    age, lag = StampAge(), 500 * MILLISECOND
+    age(FIRST, FIRST)
+    ages = [
+        age(FIRST + k * MILLISECOND, FIRST + k * MILLISECOND + lag)
+        for k in range(3 * WINDOW // MILLISECOND)
+    ]
+    assert ages[0] == pytest.approx(0.5) and ages[-1] == 0.0
