@@ -33,6 +33,7 @@ ARGUMENTS = (
         'auto',
         'how torque ranges that do not overlap are crossed: auto, dwell or dynamic',
     ),
+    ('time_budget', '180.0', 'for a plan, its verification included [s]'),
     ('priority', '20', 'of the loop in real time, where the machine allows it; 0: none'),
     ('record', '', 'directory of a bag to record into; empty: none'),
     ('storage', 'mcap', 'format of the bag: mcap or sqlite3'),
@@ -92,6 +93,7 @@ def generate_launch_description():
                 'seed': number('seed', int),
                 'search': text('search'),
                 'transition': text('transition'),
+                'time_budget': number('time_budget', float),
             },
         ),
     ]
