@@ -38,11 +38,15 @@ def one(scenario: str, rate: float, record: bool) -> dict:
         bag = Path(scratch) / 'bag' if record else None
         options = RunOptions(str(path), 'realtime', rate=rate, record=bag)
         try:
-            report = run_graph(load_scenario(path), options, lambda *_: None, on_client_ready=on_client_ready)
+            report = run_graph(
+                load_scenario(path), options, lambda *_: None, on_client_ready=on_client_ready
+            )
             success, reason = report.success, report.result.get('reason', report.message)
         except WholeArmError as error:
             success, reason = False, str(error)
-    longest = {node: float(values.get('longest publish ms', 'nan')) for node, values in said.items()}
+    longest = {
+        node: float(values.get('longest publish ms', 'nan')) for node, values in said.items()
+    }
     where = {node: values.get('longest publish topic', '') for node, values in said.items()}
     hardware = said.get('hand_hardware', {})
     return {

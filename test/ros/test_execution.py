@@ -5,12 +5,12 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-from wholearm_ros.control.mode_switch import STOPPED  # noqa: E402
-from wholearm_ros.control.setpoints import ControlOptions, Joints  # noqa: E402
-from wholearm_ros.model.hand import LEFT  # noqa: E402
-from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment  # noqa: E402
-from wholearm_ros.ros.node.execution import Execution  # noqa: E402
-from wholearm_ros.ros.node.stamp_age import WINDOW, StampAge  # noqa: E402
+from wholearm_ros.control.mode_switch import STOPPED
+from wholearm_ros.control.setpoints import ControlOptions, Joints
+from wholearm_ros.model.hand import LEFT
+from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment
+from wholearm_ros.ros.node.execution import Execution
+from wholearm_ros.ros.node.stamp_age import WINDOW, StampAge
 
 MILLISECOND = 1_000_000
 FIRST = 5_000_000_000  # [ns]
