@@ -171,14 +171,6 @@ def test_success_interval_holds_the_share():
         assert -1e-9 <= low <= done / runs <= high <= 1.0 + 1e-9
 
 
-def test_the_reports_of_two_bags_side_by_side_are_two_files(tmp_path):
-    for name in ('a', 'b'):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / 'metadata.yaml').touch()
-    assert default_target(tmp_path / 'a') == tmp_path / 'a.html'
-    assert default_target(tmp_path / 'b') == tmp_path / 'b.html'
-
-
 def test_the_time_of_a_run_begins_after_the_ramp_that_it_was_run_with(bag_of_a_long_ramp, bag_mcap):
     assert read_source(bag_mcap)[2].times[0] == pytest.approx(-ControlOptions().ramp, abs=1e-3)
     assert read_source(bag_of_a_long_ramp)[2].times[0] == pytest.approx(-1.1, abs=1e-3)
