@@ -3,6 +3,18 @@
 Numba is imported when the first kernel is made, so that `kernels/control_law.py` costs a controller node no compiler.
 """
 
+from contextlib import suppress
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+SOURCES = (
+    'kernels',
+    'model/interpolation.py',
+    'model/configuration.py',
+)  # compiled, or read by what is
+
 
 def kernel(function):
     """Compile once, keep on disk: a second process starts without compiling. It runs beside other threads."""
@@ -17,4 +29,31 @@ def inlined(function):
 def _compiled(function, **options):
     from numba import njit
 
+    forget_stale_code()
     return njit(cache=True, error_model='numpy', fastmath=False, nogil=True, **options)(function)
+
+
+@cache
+def forget_stale_code() -> bool:
+    """Delete what was compiled of other sources; whether there was any. Once a process.
+
+    Numba looks at a kernel's own file only: a kernel that calls one of another file would go on with the old one.
+    """
+    files = [
+        f
+        for s in SOURCES
+        for f in ([PACKAGE / s] if s.endswith('.py') else sorted((PACKAGE / s).glob('*.py')))
+    ]
+    now = sha256(b''.join(f.read_bytes() for f in files)).hexdigest()
+    stamp = PACKAGE / 'kernels' / '__pycache__' / 'sources.sha256'
+    with suppress(
+        OSError
+    ):  # a directory that cannot be written: numba keeps its cache elsewhere, or none
+        if stamp.exists() and stamp.read_text() == now:
+            return False
+        for room in ('kernels', 'model'):
+            for compiled in (PACKAGE / room / '__pycache__').glob('*.nb[ic]'):
+                compiled.unlink(missing_ok=True)
+        stamp.parent.mkdir(exist_ok=True)
+        stamp.write_text(now)
+    return True
