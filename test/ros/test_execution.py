@@ -9,20 +9,20 @@ from wholearm_ros.control.mode_switch import STOPPED
 from wholearm_ros.control.setpoints import ControlOptions, Joints
 from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment
-from wholearm_ros.ros.node.execution import Execution
+from wholearm_ros.ros.node.execution import StampedExecution
 from wholearm_ros.ros.node.stamp_age import WINDOW, StampAge
 
 MILLISECOND = 1_000_000
 FIRST = 5_000_000_000  # [ns]
 
 
-def execution(options: ControlOptions = ControlOptions()) -> Execution:
+def execution(options: ControlOptions = ControlOptions()) -> StampedExecution:
     flat = np.zeros((101, 2))
     segments = (Segment(0.0, 1.0, QUASI_STATIC, LEFT),)
     trajectory = ManipulationTrajectory(
         'plan', 0.01, flat, flat, flat, np.full((101, 2), np.nan), np.zeros((101, 3)), segments
     )
-    return Execution(trajectory, options, 0.5)
+    return StampedExecution(trajectory, options, 0.5)
 
 
 def joints(stamp: int) -> Joints:
@@ -33,15 +33,15 @@ def test_a_stop_before_the_first_step_stays():
     run = execution()
     run.stop(joints(FIRST), 'asked to')
     for k in range(5):
-        run.step(FIRST + k * MILLISECOND, joints(FIRST))
+        run.step_at(FIRST + k * MILLISECOND, joints(FIRST))
         assert run.mode == STOPPED and run.reason == 'asked to'
 
 
 def test_stale_joint_states_stop_the_run():
     run, allowed = execution(), ControlOptions().stale_after
-    run.step(FIRST, joints(FIRST), 0.5 * allowed)
+    run.step_at(FIRST, joints(FIRST), 0.5 * allowed)
     assert run.mode == QUASI_STATIC
-    run.step(FIRST + MILLISECOND, joints(FIRST), 2 * allowed)
+    run.step_at(FIRST + MILLISECOND, joints(FIRST), 2 * allowed)
     assert run.mode == STOPPED and 'joint states are 0.200 s old' in run.reason
 
 
@@ -49,7 +49,7 @@ def test_stale_joint_states_stop_the_run():
 def test_the_trajectory_starts_a_ramp_after_the_first_state(ramp):
     run = execution(ControlOptions(ramp=ramp))
     assert run.trajectory_start is None
-    run.step(FIRST, joints(FIRST))
+    run.step_at(FIRST, joints(FIRST))
     assert run.trajectory_start == FIRST + round(ramp * 1e9)
 
 

@@ -1,4 +1,4 @@
-"""The document wholearm-trajectory/1: whatever is damaged or inconsistent is refused."""
+"""The document wholearm-trajectory/2: whatever is damaged or inconsistent is refused."""
 
 import json
 
@@ -63,7 +63,7 @@ def test_a_missing_key_is_refused(key):
 @pytest.mark.parametrize(
     'change',
     [
-        {'format': 'wholearm-trajectory/2'},
+        {'format': 'wholearm-trajectory/3'},
         {'period': 0.0},
         {'period': -1.0},
         {'period': 'x'},

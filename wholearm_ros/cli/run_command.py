@@ -66,6 +66,7 @@ def run(
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
+    probe: Annotated[bool, typer.Option(help='Feel where the object lies in the end.')] = True,
     network: Annotated[
         bool,
         typer.Option(
@@ -93,6 +94,7 @@ def run(
         search=search.value,
         transition=transition.value,
         time_budget=time_budget,
+        probe=probe,
     )
     report = _run(load_scenario(path), options)
     _print(report, options)

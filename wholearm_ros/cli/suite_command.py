@@ -38,6 +38,16 @@ def suite(
     draws: Annotated[
         int, typer.Option('--draws', min=1, max=1000, help='Perturbed runs of each plan.')
     ] = 1,
+    attempts: Annotated[
+        int,
+        typer.Option(
+            '--attempts',
+            min=1,
+            max=20,
+            help='Trajectories at most in a run: felt elsewhere, planned again from there.',
+        ),
+    ] = 1,
+    probe: Annotated[bool, typer.Option(help='Feel where the object lies after each run.')] = True,
     jobs: Annotated[
         int, typer.Option('--jobs', min=1, max=256, help='Processes of this machine.')
     ] = 1,
@@ -65,6 +75,8 @@ def suite(
         seed=seed,
         perturb=perturb,
         draws=draws,
+        attempts=attempts,
+        probe=probe,
         search=search.value,
         transition=transition.value,
         time_budget=time_budget,
@@ -123,6 +135,12 @@ def _print_summary(summary: dict[str, Any]) -> None:
     )
     for line in jury_lines(summary['jury']) if summary['jury'] else ():
         print_plain(line)
+    if summary['felt_runs']:
+        print_plain(
+            f'felt {summary["felt_runs"]} runs: {summary["false_success"]} false successes, '
+            f'{summary["false_failure"]} false failures, {summary["lost"]} lost, '
+            f'{summary["unknown"]} not known'
+        )
     for name in TIMES:
         if summary[name]:
             median, p95 = summary[name]['median'], summary[name]['p95']

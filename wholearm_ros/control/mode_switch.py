@@ -122,6 +122,11 @@ class ModeSwitch:
         first = self.trajectory.segments[0].velocity_finger
         return first if state.velocity_finger is None else state.velocity_finger
 
+    def watch(self, state: SwitchState, now: float, joints: Joints) -> SwitchState:
+        """The same state, or stopped when the joints cannot be read: for whoever leads the fingers after the end."""
+        fault = self._unreadable(now, joints)
+        return self.stop(state, joints, fault) if fault else state
+
     def _advance(self, state: SwitchState, now: float, joints: Joints) -> SwitchState:
         fault = self._unreadable(now, joints)
         if fault:

@@ -40,6 +40,7 @@ class RunOptions:
     backend: str = DEFAULT_BACKEND
     search: str = 'best'
     transition: str = 'auto'
+    probe: bool = True
     time_budget: float = 180.0
 
 
@@ -89,7 +90,7 @@ def node_parameters(options: RunOptions) -> dict:
             'view': options.view,
             'motor_rate': options.rate,
         },
-        'mode_switcher': {**pacing, **loop},
+        'mode_switcher': {**pacing, **loop, 'probe': options.probe},
         'velocity_controller': {**scenario, **loop},
         'torque_controller': {**scenario, **loop, 'motor_rate': options.rate},
         'trajectory_generator': {},

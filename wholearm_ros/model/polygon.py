@@ -80,6 +80,15 @@ def support(vertices: np.ndarray, angle: float, normal: np.ndarray) -> float:
     return float((rotated(vertices, angle) @ normal).min())
 
 
+def same_outlines(polygon: Polygon, one: int, other: int, tolerance: float) -> bool:
+    """Whether the outline looks the same lying on edge `one` as on edge `other`, each vertex within `tolerance` [m]."""
+    turned = []
+    for edge in (one, other):
+        vertices = np.roll(polygon.vertices_about_centroid, -edge, axis=0)
+        turned.append(rotated(vertices, polygon.resting_angle(edge)))
+    return bool(np.linalg.norm(turned[1] - turned[0], axis=1).max() < tolerance)
+
+
 def _cross_with_next(v: np.ndarray) -> np.ndarray:
     w = np.roll(v, -1, axis=0)
     return v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]

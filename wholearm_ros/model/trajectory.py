@@ -9,8 +9,10 @@ from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.hand import JOINT_NAMES, SIDES
 from wholearm_ros.model.interpolation import hermite
+from wholearm_ros.model.probe import Probe
 
-FORMAT = 'wholearm-trajectory/1'
+FORMAT = 'wholearm-trajectory/2'
+READABLE = ('wholearm-trajectory/1', FORMAT)  # the first has no probe
 QUASI_STATIC, DWELL, DYNAMIC, CAGING = 'quasi_static', 'dwell', 'dynamic', 'caging'
 MODES = (QUASI_STATIC, DWELL, DYNAMIC, CAGING)
 
@@ -55,6 +57,7 @@ class ManipulationTrajectory:
     torque_ranges: (m, 2) [N m], (τ_min, τ_max) of the torque-controlled finger, NaN where there is none.
     poses: (m, 3) planned object pose, centroid [m] and rotation [rad].
     segments: in order, without gaps, from 0 to the last sample's time.
+    probe: the motion that feels what came of it, None for none.
     """
 
     plan_id: str
@@ -68,6 +71,7 @@ class ManipulationTrajectory:
     transitions: tuple = ()
     verification: dict | None = None
     notes: dict = field(default_factory=dict)
+    probe: Probe | None = None
 
     def __post_init__(self):
         for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2), ('poses', 3)):
@@ -114,7 +118,7 @@ class ManipulationTrajectory:
         return total
 
     def to_json(self) -> str:
-        """The document `wholearm-trajectory/1`."""
+        """The document `wholearm-trajectory/2`."""
         return json.dumps(
             {
                 'format': FORMAT,
@@ -143,6 +147,7 @@ class ManipulationTrajectory:
                 'transitions': list(self.transitions),
                 'verification': self.verification,
                 'notes': self.notes,
+                'probe': None if self.probe is None else self.probe.to_dict(),
             },
             separators=(',', ':'),
             allow_nan=False,
@@ -153,9 +158,9 @@ class ManipulationTrajectory:
         """Raises DocumentError when `text` is damaged, of another format, or inconsistent in itself."""
         try:
             d = json.loads(text)
-            if d.get('format') != FORMAT:
+            if d.get('format') not in READABLE:
                 raise DocumentError(
-                    f'trajectory document: format is {d.get("format")!r}; allowed: {FORMAT!r}'
+                    f'trajectory document: format is {d.get("format")!r}; allowed: {READABLE}'
                 )
             segments = tuple(
                 Segment(
@@ -184,6 +189,9 @@ class ManipulationTrajectory:
                 tuple(d['transitions']),
                 d['verification'],
                 d['notes'],
+                None
+                if d['format'] != FORMAT or d['probe'] is None
+                else Probe.from_dict(d['probe']),
             )
         except DocumentError:
             raise

@@ -1,5 +1,6 @@
 """Leads both fingers along the trajectory of the goal that executes: a setpoint for each controller, for every joint state."""
 
+import json
 import sys
 import time
 from dataclasses import replace
@@ -28,7 +29,7 @@ from wholearm_ros.ros.interface.messages import (
     velocity_setpoint_bytes,
 )
 from wholearm_ros.ros.interface.parameters import Declared
-from wholearm_ros.ros.node.execution import Execution, jumped
+from wholearm_ros.ros.node.execution import StampedExecution, jumped
 from wholearm_ros.ros.node.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.node.stamp_age import StampAge
@@ -51,6 +52,10 @@ DECLARED = (
         600.0,
     ),
 )
+PROBE = Declared(
+    'probe', False, 'whether the end of a trajectory is felt, where it comes with a probe'
+)
+DECLARED = (*DECLARED, PROBE)
 WATCH_PERIOD = 0.01  # [s]
 PROGRESS_PERIOD = 0.1  # [s]; the generator misses the switcher after a few of them
 CONTROLLERS_WITHIN = 5.0  # [s] after a goal, both must listen to their setpoints
@@ -123,8 +128,11 @@ class ModeSwitcher(WholeArmNode):
                 self.give_up('no controller listens to the setpoints')
             return
         self.last_goal, self.wanted = self.wanted, None
-        self.execution = Execution(
-            self.trajectory, switch_options_of(self.parameters), self.parameters.settle
+        self.execution = StampedExecution(
+            self.trajectory,
+            switch_options_of(self.parameters),
+            self.parameters.settle,
+            self.trajectory.probe if self.parameters.probe else None,
         )
         off = float(abs(self.joints.angles - self.trajectory.angles[0]).max())
         if not off <= self.parameters.start_tolerance:
@@ -153,7 +161,7 @@ class ModeSwitcher(WholeArmNode):
             self.begin()
         if not self.execution or (self.lockstep and self.execution.over):
             return  # in lockstep time stands still while nothing runs
-        motion, torque = self.execution.step(self.stamp, self.joints, age)
+        motion, torque = self.execution.step_at(self.stamp, self.joints, age)
         self.setpoints = (
             velocity_setpoint_bytes(self.stamp, motion),
             effort_bytes(self.stamp, torque.joint, torque.effort),
@@ -233,6 +241,9 @@ class ModeSwitcher(WholeArmNode):
             'trajectory start': '' if started is None else started,
             'progress': run.progress if run else 0.0,
             'time left s': run.time_left if run else 0.0,
+            'pairs': felt_pairs(run),
+            'interrupted': run.interrupted if run else '',
+            'deviation': run.deviation if run else '',
         }
 
     def health(self):
@@ -242,6 +253,11 @@ class ModeSwitcher(WholeArmNode):
             'silence ms': 1e3 * (time.monotonic() - self.heard),
         }
         return ERROR if self.mode == STOPPED else OK, self.reason or self.mode, values
+
+
+def felt_pairs(run) -> str:
+    """What the probe has measured, JSON: a list of pairs [rad]; '' when none was made."""
+    return json.dumps([pair.tolist() for pair in run.pairs]) if run and run.pairs else ''
 
 
 def main():

@@ -2,11 +2,15 @@
 
 import sys
 import time
+from dataclasses import replace
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
+from wholearm_ros.estimation.claim import AT_GOAL, UNVERIFIED, Claim, reported_claim
+from wholearm_ros.estimation.feel import Feeler
+from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.goals import (
@@ -58,6 +62,7 @@ class TrajectoryGenerator(WholeArmNode):
         super().__init__('trajectory_generator', DECLARED)
         self.goals, self.trajectory, self.plan_id = Goals(), None, None
         self.progress, self.progress_at, self.last_stamp = {}, 0.0, 0  # of the switcher; [s]; [ns]
+        self.feeler, self.scenario, self.claimed = None, None, None
 
         self.accepted_at = 0.0  # [s]
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
@@ -75,7 +80,9 @@ class TrajectoryGenerator(WholeArmNode):
 
     def on_plan(self, message):
         plan = ContactPlan.from_json(message.data)
-        self.trajectory = generate(plan.scenario, plan)
+        self.feeler, self.scenario = Feeler(plan.scenario), plan.scenario
+        trajectory = generate(plan.scenario, plan)
+        self.trajectory = replace(trajectory, probe=probe_after(self.feeler, trajectory))
         self.plan_id = to_goal_id(plan.id)
         now = self.get_clock().now().to_msg()
         self.joint_trajectory.publish(to_joint_trajectory(self.trajectory, now))
@@ -103,7 +110,7 @@ class TrajectoryGenerator(WholeArmNode):
             set_stamp(info.stamp, self.last_stamp)
             self.goals.accept(info)
             self.publish_status()
-            self.accepted_at = time.monotonic()
+            self.accepted_at, self.claimed = time.monotonic(), None
             self.watch()
 
     def reject(self, request, reason: str):
@@ -168,7 +175,11 @@ class TrajectoryGenerator(WholeArmNode):
 
     def conclude(self, mode: str, canceling: bool):
         if mode == DONE:
-            self.end(SUCCEEDED, 'the trajectory was tracked to its end')
+            self.claimed = reported_claim(
+                self.feeler, self.scenario, self.trajectory, self.progress
+            )
+            reached = self.claimed.outcome in (AT_GOAL, UNVERIFIED)
+            self.end(SUCCEEDED if reached else ABORTED, self.claimed.reason)
         else:
             reason = self.progress.get('reason') or f'the mode switcher is {mode}'
             self.end(CANCELED if canceling else ABORTED, reason)
@@ -181,6 +192,7 @@ class TrajectoryGenerator(WholeArmNode):
             'stamp': self.progress.get('stamp', ''),
             'progress': self.progress.get('progress', ''),
             'duration': self.trajectory.duration,
+            **({} if self.claimed is None else told_values(self.claimed)),
         }
         name = NAMES[status]
         self.publish_result(
@@ -212,6 +224,11 @@ class TrajectoryGenerator(WholeArmNode):
             'goals ended': len(self.goals.ended),
         }
         return OK, NAMES[active.status] if active else 'ready', values
+
+
+def told_values(claimed: Claim) -> dict:
+    """What a result says of a claim."""
+    return {key: '' if v is None else v for key, v in claimed.to_dict().items()}
 
 
 def main():

@@ -5,13 +5,15 @@ from typing import Optional
 
 import numpy as np
 
-from wholearm_ros.control.mode_switch import DONE, STOPPED, ModeSwitch
+from wholearm_ros.control.execution import Execution
+from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.open_loop_torque import torque_effort
 from wholearm_ros.control.pd_velocity import velocity_effort
 from wholearm_ros.control.setpoints import ControlOptions, Joints
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.hand import Hand
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
+from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.initial_state import perturbed_start
@@ -22,7 +24,9 @@ from wholearm_ros.simulation.hand import HandBackend, make_hand
 class RunRecord:
     """One run, a row a period: times (m,) [s]; angles, velocities, efforts (m, 2) measured and commanded, left then
     right [rad, rad/s, N m]; poses, object_velocities (m, 3) the truth [m, m, rad] and their rates; modes (m,) names;
-    reason: why the switch stopped, '' when it did not; truth: the scenario with the perturbation applied."""
+    reason: why the switch stopped, '' when it did not; truth: the scenario with the perturbation applied.
+    pairs: (2,) each [rad], what the probe measured; interrupted: why it ended early, '' when it did not;
+    deviation [rad]: of the fingers from the plan, see `Execution.deviation`."""
 
     times: np.ndarray
     angles: np.ndarray
@@ -34,6 +38,9 @@ class RunRecord:
     reason: str
     truth: Scenario
     perturbation: Perturbation
+    pairs: tuple = ()
+    interrupted: str = ''
+    deviation: float = float('inf')
 
     def time_in_modes(self) -> dict:
         """Seconds in each mode that occurred, in order of appearance."""
@@ -51,8 +58,11 @@ def run(
     controls: ControlOptions = ControlOptions(),
     settle: float = 0.5,
     view: bool = False,
+    probe: Optional[Probe] = None,
 ) -> RunRecord:
     """Executes `trajectory` and then holds its end for `settle` [s] (also after a stop, so that the fall is seen).
+
+    probe: the motion that then feels where the object lies.
 
     scenario: as told to the planner; perturbation: what is truly different; seed: of the encoder noise, added to the
     perturbation's own. The object is set down where the perturbed scenario's start says, the fingers closed on it.
@@ -64,7 +74,8 @@ def run(
     try:
         hand.reset(perturbed_start(scenario, hand.scenario))
         steps = int(np.ceil((controls.ramp + trajectory.duration + settle) * rate))
-        return _loop(hand, ModeSwitch(trajectory, controls), controls, steps, perturbation)
+        execution = Execution(trajectory, controls, settle, probe)
+        return lead(hand, execution, controls, steps, perturbation)
     finally:
         hand.disconnect()
 
@@ -88,19 +99,22 @@ def commanded_efforts(
     return efforts
 
 
-def _loop(
+def lead(
     hand: HandBackend,
-    switch: ModeSwitch,
+    execution: Execution,
     controls: ControlOptions,
     steps: int,
     perturbation: Perturbation,
 ) -> RunRecord:
-    fingers, state = hand.scenario.hand, switch.initial()
-    rows, modes = [], []
+    """The execution on a hand as it is: at least `steps` periods, and until the probe is over where there is one."""
+    fingers = hand.scenario.hand
+    rows: list = []
+    modes: list = []
     previous = hand.efforts().copy()
-    for _ in range(steps):
+    probing = execution.probe is not None
+    while len(rows) < steps or (probing and not execution.over and not execution.reason):
         joints = Joints(hand.time, *hand.joints(), previous)
-        state, motion, torque = switch.step(state, hand.time, joints)
+        motion, torque = execution.step(hand.time, joints)
         previous = commanded_efforts(
             fingers, controls, motion, torque, joints, previous, hand.period
         )
@@ -116,7 +130,7 @@ def _loop(
                 ]
             )
         )
-        modes.append(state.mode)
+        modes.append(execution.shown)
         hand.step(previous)
     table = np.array(rows)
     return RunRecord(
@@ -127,9 +141,12 @@ def _loop(
         table[:, 7:10],
         table[:, 10:13],
         tuple(modes),
-        state.reason,
+        execution.reason,
         hand.scenario,
         perturbation,
+        execution.pairs,
+        execution.interrupted,
+        execution.deviation,
     )
 
 

@@ -9,15 +9,19 @@ from wholearm_ros.model.backends import JURY
 from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.simulation.closed_loop import RunRecord, run
+from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.jury import Verdict, hear
 from wholearm_ros.simulation.outcome import Outcome, outcome
+from wholearm_ros.suite.attempts import Attempts, run_attempts
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 
 @dataclass(frozen=True, eq=False)
 class Execution:
-    """scenario: as it was planned; record: of the run; judged: against the scenario's goal.
+    """scenario: as it was planned; record: of the first attempt; judged: the end of the last one.
+
+    attempts: all of them, and what was claimed; None of a jury.
 
     verdict: of the jury, when it was asked for; record and judged are then of the first engine that
     missed the goal (`judged.reason` names it), of the first engine when none did.
@@ -27,6 +31,7 @@ class Execution:
     record: RunRecord
     judged: Outcome
     perturbation: Perturbation
+    attempts: Attempts | None = None
     verdict: Verdict | None = None
 
 
@@ -38,8 +43,9 @@ def execute(
     name: str = '',
     view: bool = False,
 ) -> Execution:
-    """Run `trajectory` once under perturbation number `draw` of the task `name` (default: the
-    scenario's).
+    """Run `trajectory` under perturbation number `draw` of the task `name`, feel, and try again.
+
+    name: the scenario's by default.
 
     Raises HardwareError when the backend is not installed.
     """
@@ -49,23 +55,31 @@ def execute(
     if options.backend == JURY:
         verdict = hear(scenario, trajectory, perturbation, options.rate, options.controls)
         return _of_jury(scenario, verdict, perturbation)
-    record = run(
+    attempts = run_attempts(
         scenario,
         trajectory,
+        perturbation,
+        lambda again: plan_and_verify(again, options.request()).trajectory,
+        max_attempts=options.attempts,
+        probe=options.probe,
         backend=options.backend,
         rate=options.rate,
-        perturbation=perturbation,
         controls=options.controls,
         view=view,
     )
-    return Execution(scenario, record, outcome(scenario, record), perturbation)
+    judged = outcome(scenario, attempts.last)
+    return Execution(scenario, attempts.records[0], judged, perturbation, attempts)
 
 
 def _of_jury(scenario: Scenario, verdict: Verdict, perturbation: Perturbation) -> Execution:
     one = verdict.decisive
     reason = '' if one.judged.executed else f'{one.engine}: {one.judged.reason}'
     return Execution(
-        scenario, one.record, replace(one.judged, reason=reason), perturbation, verdict
+        scenario,
+        one.record,
+        replace(one.judged, reason=reason),
+        perturbation,
+        verdict=verdict,
     )
 
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from wholearm_ros.estimation.claim import AT_GOAL, LOST, OUTCOMES, UNKNOWN
 from wholearm_ros.suite.jury_summary import jury_summary
 
 TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
@@ -25,7 +26,20 @@ def summarize(results: list[dict[str, Any]]) -> dict[str, Any]:
         'executed_runs': done,
         'sound': done / len(runs) if runs else None,
         'jury': jury_summary(results),
+        **_claims(runs),
         **{name: _spread([r[name] for r in results if r[name] is not None]) for name in TIMES},
+    }
+
+
+def _claims(draws: list[dict[str, Any]]) -> dict[str, int]:
+    """What was claimed against what is. Runs that were not felt count nowhere."""
+    felt = [d for d in draws if d.get('claimed') in OUTCOMES]
+    return {
+        'felt_runs': len(felt),
+        'false_success': sum(d['claimed'] == AT_GOAL and not d['executed'] for d in felt),
+        'false_failure': sum(d['claimed'] != AT_GOAL and d['executed'] for d in felt),
+        'lost': sum(d['claimed'] == LOST for d in felt),
+        'unknown': sum(d['claimed'] == UNKNOWN for d in felt),
     }
 
 

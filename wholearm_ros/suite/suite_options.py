@@ -13,7 +13,8 @@ class SuiteOptions:
 
     seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed
     runs a task; search, transition, candidates, moves, time_budget [s], min_success: of the
-    planning request; backend (or JURY), rate [Hz]: of the hand.
+    planning request; backend (or JURY), rate [Hz]: of the hand; attempts: trajectories at most in
+    each run; probe: whether the end of each is felt. The jury does neither.
     """
 
     seed: int = 0
@@ -28,6 +29,8 @@ class SuiteOptions:
     backend: str = DEFAULT_BACKEND
     rate: float = 1000.0
     controls: ControlOptions = field(default_factory=ControlOptions)
+    attempts: int = 1
+    probe: bool = True
 
     def request(self) -> PlanRequest:
         """The planning request of every task."""

@@ -94,6 +94,8 @@ def _of_draw(run: Execution, perturbed: bool) -> Result:
         'final_pose': run.judged.pose.tolist(),
         'angle_error': run.judged.angle_error,
     }
+    if run.attempts is not None:
+        told.update(run.attempts.to_dict())
     if perturbed:
         told['perturbation'] = run.perturbation.to_dict()
     if run.verdict is not None:

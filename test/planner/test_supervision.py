@@ -1,0 +1,54 @@
+"""Supervision: what is done next after each claim."""
+
+from pathlib import Path
+
+import pytest
+
+from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, Claim
+from wholearm_ros.estimation.feel import LYING, Candidate, Felt
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.planner.supervision import END, FEEL, FEELS, PLAN, Supervision
+
+SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
+
+
+def elsewhere(edge=0, x=0.01):
+    felt = Felt(LYING, (Candidate((edge,), 0, x, 1e-3, 1e-3, 1.0, 1.0),))
+    return Claim(ELSEWHERE, 'felt elsewhere', felt)
+
+
+@pytest.mark.parametrize('outcome', [AT_GOAL, LOST])
+def test_it_ends_where_nothing_is_left_to_do(outcome):
+    _, decision = Supervision(SCENARIO).executed(Claim(outcome, 'so it is'))
+    assert (decision.action, decision.outcome, decision.reason) == (END, outcome, 'so it is')
+
+
+def test_it_plans_again_from_what_was_felt_until_the_attempts_are_spent():
+    supervision = Supervision(SCENARIO, max_attempts=3)
+    for _ in range(2):
+        supervision, decision = supervision.executed(elsewhere())
+        assert decision.action == PLAN
+        start = decision.scenarios[0].start
+        assert (start.edge, start.x) == (0, 0.01)
+    supervision, decision = supervision.executed(elsewhere())
+    assert (decision.action, decision.outcome, supervision.attempts) == (END, ELSEWHERE, 3)
+
+
+def test_the_shorter_turn_is_planned_first():
+    scenarios = Supervision(SCENARIO).from_felt(elsewhere(edge=4))
+    assert [s.goal.direction for s in scenarios] == ['cw', 'ccw']
+
+
+def test_what_is_not_known_is_felt_again_but_not_forever():
+    supervision, decision = Supervision(SCENARIO).executed(Claim(UNKNOWN, 'wedged'))
+    feels = 1
+    while decision.action == FEEL:
+        supervision, decision = supervision.felt(Claim(UNKNOWN, 'wedged'))
+        feels += 1
+    assert (decision.action, decision.outcome, feels) == (END, UNKNOWN, FEELS)
+
+
+def test_without_a_plan_the_reason_names_what_was_felt():
+    supervision, _ = Supervision(SCENARIO).executed(elsewhere())
+    decision = supervision.no_plan('exhausted')
+    assert decision.outcome == ELSEWHERE and 'felt elsewhere' in decision.reason

@@ -1,0 +1,77 @@
+"""Attempts on the planar hand: what is claimed is what is, and a second try begins where the first one ended."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
+from wholearm_ros.estimation.hold import hold_trajectory
+from wholearm_ros.mechanics.contacts import start_configuration
+from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.perturbation import NOMINAL, Perturbation
+from wholearm_ros.model.scenario import GoalOnEdge
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.suite.attempts import run_attempts, true_rest
+
+SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
+
+
+def holding(scenario, held=0):
+    q = start_configuration(scenario)
+    return hold_trajectory(q[3:], build_world(scenario).finger_moment, q[:3], held)
+
+
+def no_plan(scenario):
+    return None
+
+
+@pytest.mark.parametrize('held', [0, 1])
+@pytest.mark.parametrize('friction', [0.0, 0.1])
+def test_what_lies_in_the_hand_is_felt_where_it_is(held, friction):
+    noise = Perturbation(friction=friction, encoder_noise=2e-4, velocity_noise=0.02)
+    made = run_attempts(SCENARIO, holding(SCENARIO, held), noise, no_plan, backend='planar')
+    edge, x = true_rest(made.last)
+    assert made.outcome == ELSEWHERE and made.claim.edge == edge == 0
+    assert made.claim.x == pytest.approx(x, abs=1e-3)
+    assert made.last.modes[-1] == 'done' and 'probing' in made.last.modes
+
+
+def test_an_object_that_lies_at_its_goal_is_claimed_there_and_stays_there():
+    there = replace(SCENARIO, goal=GoalOnEdge(0, 'ccw', -0.02, 0.01))
+    made = run_attempts(there, holding(there), NOMINAL, no_plan, backend='planar')
+    assert made.outcome == AT_GOAL
+    assert made.last.poses[-1, 0] == pytest.approx(-0.02, abs=1e-3)
+
+
+def test_without_a_probe_nothing_is_claimed():
+    made = run_attempts(
+        SCENARIO, holding(SCENARIO), NOMINAL, no_plan, probe=False, backend='planar'
+    )
+    assert made.outcome == UNVERIFIED and made.to_dict()['felt_edge'] is None
+
+
+def test_an_object_that_is_not_there_is_lost():
+    q = start_configuration(SCENARIO)
+    gone = np.array([0.6, 0.4, 0.0, *q[3:]])
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, no_plan, backend='planar', start=gone)
+    assert made.outcome == LOST
+
+
+def test_a_second_attempt_goes_on_with_the_same_hand():
+    again = []
+
+    def plan_again(scenario):
+        again.append(scenario)
+        return holding(scenario)
+
+    made = run_attempts(
+        SCENARIO, holding(SCENARIO), NOMINAL, plan_again, max_attempts=2, backend='planar'
+    )
+    assert made.attempts == 2 and made.outcome == ELSEWHERE
+    assert again[0].start.edge == 0 and again[0].start.x == pytest.approx(-0.02, abs=1e-3)
+    first, second = made.records
+    assert second.times[0] > first.times[-1]
+    assert second.poses[0] == pytest.approx(first.poses[-1], abs=1e-3)
+    assert UNKNOWN not in {c.outcome for c in made.claims}

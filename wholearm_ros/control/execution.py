@@ -1,0 +1,135 @@
+"""One execution of a trajectory: the mode switch to its end, the settling there, and the probe that feels what came of it.
+
+Nodes and the closed loop without ROS call the same code.
+"""
+
+from typing import Optional
+
+from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch, SwitchState
+from wholearm_ros.control.probing import Probing, ProbingState
+from wholearm_ros.control.setpoints import ControlOptions, Joints
+from wholearm_ros.model.probe import Probe
+from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
+
+PROBING = 'probing'
+LAST_INSTANTS = 0.05  # [s] before the object is let go
+
+
+class Execution:
+    """Leads the fingers along `trajectory` from the first joint state it is given. Times [s] from any zero.
+
+    settle [s]: how long the end is held; `over` when that time has passed after the end, the probe's if there is one, or
+    after a stop. probe: the motion after the settling, None to do without.
+    """
+
+    def __init__(
+        self,
+        trajectory: ManipulationTrajectory,
+        options: ControlOptions,
+        settle: float,
+        probe: Optional[Probe] = None,
+    ):
+        self._switch, self._settle = ModeSwitch(trajectory, options), settle
+        self._probing = None if probe is None else Probing(probe)
+        self.trajectory, self.probe = trajectory, probe
+        self.state: SwitchState = self._switch.initial()
+        self.felt: Optional[ProbingState] = None
+        self._ended: Optional[float] = None
+        self._deviation, self._checkpoints = 0.0, checkpoints(trajectory)
+        self.mode, self.over = IDLE, False
+
+    def step(self, now: float, joints: Joints) -> tuple:
+        """Both setpoints for the joint state at `now`."""
+        if self.felt is not None and self.state.mode != STOPPED:
+            return self._probe(now, joints)
+        self.state, motion, torque = self._switch.step(self.state, now, joints)
+        self._track(joints)
+        ended = self.state.mode in (DONE, STOPPED)
+        if ended and self._ended is None:
+            self._ended = now
+        settled = self._ended is not None and now - self._ended >= self._settle
+        if settled and self.state.mode == DONE and self._probing is not None:
+            self.felt = self._probing.initial(now, joints)
+            return self._probe(now, joints)
+        self.over = settled
+        if self.state.mode != DONE or self.over:
+            self.mode = self.state.mode
+        return motion, torque
+
+    def _probe(self, now: float, joints: Joints) -> tuple:
+        assert self._probing is not None and self.felt is not None
+        self.state = self._switch.watch(self.state, now, joints)
+        if self.state.mode == STOPPED:
+            return self.step(now, joints)
+        self.felt, motion, torque = self._probing.step(self.felt, now, joints)
+        self.over = self.felt.over
+        self.mode = DONE if self.over else PROBING
+        return motion, torque
+
+    def _track(self, joints: Joints) -> None:
+        now = self.state.elapsed
+        if any(start <= now < end for start, end in self._checkpoints):
+            planned = self.trajectory.sample(self.state.elapsed).angles
+            off = max(abs(float(joints.angles[k] - planned[k])) for k in range(2))
+            self._deviation = max(self._deviation, off)
+
+    def stop(self, joints: Joints, reason: str) -> None:
+        """On request: the fingers hold the object where that is possible."""
+        self.state = self._switch.stop(self.state, joints, reason, hold=True)
+        self.mode, self._ended = STOPPED, None
+
+    @property
+    def ramp(self) -> float:
+        """[s] from the first step to the start of the trajectory."""
+        return self._switch.options.ramp
+
+    @property
+    def reason(self) -> str:
+        """Why it stopped, '' when it did not."""
+        return self.state.reason
+
+    @property
+    def shown(self) -> str:
+        """The mode, done as soon as the trajectory is at its end, though it is still settling there."""
+        return self.mode if self.felt is not None else self.state.mode
+
+    @property
+    def progress(self) -> float:
+        """Share of the trajectory that is done, 0 to 1."""
+        return self.state.progress
+
+    @property
+    def pairs(self) -> tuple:
+        """Pairs of angles (2,) [rad] that the probe has measured so far."""
+        return () if self.felt is None else self.felt.pairs
+
+    @property
+    def interrupted(self) -> str:
+        """Why the probe ended before its end, '' when it did not."""
+        if self.felt is not None and self.felt.reason:
+            return self.felt.reason
+        return self.state.reason if self.felt is not None and self.state.mode == STOPPED else ''
+
+    @property
+    def deviation(self) -> float:
+        """[rad] largest of either finger from the plan at its checkpoints; infinite before the end, or when it has none."""
+        followed = bool(self._checkpoints) and self.state.progress >= 1.0
+        return self._deviation if followed else float('inf')
+
+    @property
+    def time_left(self) -> float:
+        """[s] until done, the probe not counted."""
+        return max(0.0, self.trajectory.duration - self.state.elapsed + self._settle)
+
+
+def checkpoints(trajectory: ManipulationTrajectory) -> tuple:
+    """((start, end) [s], ...) at which both angles are determined and at rest, or nearly: the second half of each dwell, and
+    the last instants, before the object is first let go, by a dynamic or caging segment."""
+    bound: list = []
+    for segment in trajectory.segments:
+        if segment.mode not in (QUASI_STATIC, DWELL):
+            break
+        bound.append(segment)
+    halves = [((s.start + s.end) / 2, s.end) for s in bound if s.mode == DWELL]
+    last = [(max(bound[-1].start, bound[-1].end - LAST_INSTANTS), bound[-1].end)] if bound else []
+    return (*halves, *last)

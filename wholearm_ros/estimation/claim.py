@@ -1,0 +1,108 @@
+"""Claims: whether what was felt is the goal. The object's true pose plays no part."""
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+
+from wholearm_ros.estimation.feel import LYING, NOTHING, Feeler, Felt, fits
+from wholearm_ros.model.goal import goal_region
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+
+AT_GOAL, ELSEWHERE, LOST, UNKNOWN = 'at_goal', 'elsewhere', 'lost', 'unknown'
+UNVERIFIED = 'unverified'
+OUTCOMES = (AT_GOAL, ELSEWHERE, LOST, UNKNOWN)
+LIKELY = 0.9  # probability that is enough for what the plan led to, when the fingers kept to it
+KEPT = 0.06  # [rad] a run whose fingers never deviated by more has kept to its plan
+
+
+@dataclass(frozen=True)
+class Claim:
+    """outcome: one of OUTCOMES, or unverified; reason: for people; felt: None when no probe was made."""
+
+    outcome: str
+    reason: str
+    felt: Felt | None = None
+
+    @property
+    def sure(self) -> bool:
+        """Whether an edge is told."""
+        return self.felt is not None and (self.felt.kind == LYING or self.outcome == AT_GOAL)
+
+    @property
+    def edge(self) -> int:
+        """The felt edge, −1 when none is sure."""
+        return self.felt.best.edges[0] if self.sure else -1
+
+    @property
+    def x(self) -> float:
+        """[m] the felt x, NaN when none is sure."""
+        return (
+            self.felt.best.x if self.felt is not None and self.felt.kind == LYING else float('nan')
+        )
+
+    def to_dict(self) -> dict:
+        """For documents."""
+        lying = self.sure
+        return {
+            'claimed': self.outcome,
+            'claim_reason': self.reason,
+            'felt_edge': self.edge if lying else None,
+            'felt_edges': list(self.felt.best.edges) if lying else [],
+            'felt_x': self.x if lying and np.isfinite(self.x) else None,
+        }
+
+
+def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Claim:
+    """What may be said of the goal of `scenario`.
+
+    tracked: whether the fingers kept to the plan all the way; only then is one of several edges that feel alike taken
+    for the one at which the plan ends.
+    """
+    if felt.kind == NOTHING:
+        return Claim(LOST, 'nothing in the hand', felt)
+    if felt.kind != LYING:
+        if tracked and felt.candidates and fits(felt.best) and felt.best.probability > LIKELY:
+            best = felt.best
+            if any(not _missing(feeler, scenario, e, best.segment, best.x) for e in best.edges):
+                return Claim(AT_GOAL, f'felt, as planned, on edge {best.edges[0]}', felt)
+        return Claim(UNKNOWN, felt.describe(), felt)
+    best = felt.best
+    fitting = [
+        edge for edge in best.edges if not _missing(feeler, scenario, edge, best.segment, best.x)
+    ]
+    if not fitting:
+        missing = _missing(feeler, scenario, best.edges[0], best.segment, best.x)
+        return Claim(ELSEWHERE, f'felt {felt.describe()}: {missing}', felt)
+    if len(best.edges) > 1 and not tracked:
+        reason = f'felt {felt.describe()}; the fingers did not keep to the plan, so it may be any of them'
+        return Claim(UNKNOWN, reason, felt)
+    return Claim(AT_GOAL, f'felt {felt.describe()}', felt)
+
+
+def reported_claim(
+    feeler: Feeler, scenario: Scenario, trajectory: ManipulationTrajectory, said: dict
+) -> Claim:
+    """The claim from what the mode switcher says at the end: texts `pairs` (JSON), `interrupted` and `deviation` [rad]."""
+    try:
+        pairs = np.array(json.loads(said.get('pairs') or '[]'), float).reshape(-1, 2)
+        deviation = float(said.get('deviation') or 'inf')
+    except ValueError as error:
+        return Claim(UNKNOWN, f'what the probe measured cannot be read: {error}')
+    if trajectory.probe is None or not len(pairs):
+        return Claim(
+            UNVERIFIED, 'unverified: the trajectory was led to its end, and no probe was made'
+        )
+    felt = feeler.feel(trajectory.probe, pairs, said.get('interrupted', ''))
+    return claim(feeler, scenario, felt, deviation < KEPT)
+
+
+def _missing(feeler: Feeler, scenario: Scenario, edge: int, segment: int, x: float) -> str:
+    """What of an object on an edge at x is not at the goal; '' when nothing is."""
+    resting, region = feeler.model.resting(edge, segment), goal_region(scenario)
+    if not np.isfinite(x):
+        return 'its x is not known'
+    pose = resting.pose_at((x - resting.pose[0]) / resting.along[0])
+    pose[2] += 2.0 * np.pi * np.round((region.rotation - pose[2]) / (2.0 * np.pi))
+    return '; '.join(region.missing(pose))

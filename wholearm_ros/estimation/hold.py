@@ -1,0 +1,30 @@
+"""A trajectory that only holds the fingers where they are: what goes before a probe of what lies in the hand."""
+
+import uuid
+
+import numpy as np
+
+from wholearm_ros.model.trajectory import DYNAMIC, ManipulationTrajectory, Segment
+
+DURATION, PERIOD = 0.1, 0.01  # [s]
+
+
+def hold_trajectory(
+    angles: np.ndarray, weights: np.ndarray, pose: np.ndarray, held: int
+) -> ManipulationTrajectory:
+    """Both fingers at `angles` (2,) [rad], bearing their own weight; weights: (2,) [N m] of level fingers; pose: (3,) of the
+    object, a guess; held: LEFT or RIGHT, the finger that a probe holds afterwards.
+    """
+    rows = int(round(DURATION / PERIOD)) + 1
+    angles = np.asarray(angles, float)
+    name = uuid.uuid5(uuid.NAMESPACE_OID, f'hold {angles.tolist()} {np.asarray(pose).tolist()}')
+    return ManipulationTrajectory(
+        plan_id=str(name),
+        period=PERIOD,
+        angles=np.tile(angles, (rows, 1)),
+        velocities=np.zeros((rows, 2)),
+        efforts=np.tile(weights * np.cos(angles), (rows, 1)),
+        torque_ranges=np.full((rows, 2), np.nan),
+        poses=np.tile(pose, (rows, 1)),
+        segments=(Segment(0.0, PERIOD * (rows - 1), DYNAMIC, held),),
+    )

@@ -1,0 +1,37 @@
+"""Hypotheses: the ways in which the object of a scenario may lie in the hand, and which of them no finger can tell apart."""
+
+from wholearm_ros.estimation.squeeze import Resting, SqueezeModel
+from wholearm_ros.model.polygon import Polygon, same_outlines
+
+NEARLY_STABLE = 0.06  # share of an edge's length by which the centroid may stand beside it: the true object's may not
+SAME_OUTLINE = 5e-4  # [m] outlines seen from two edges that differ by less feel the same
+
+
+def resting_hypotheses(model: SqueezeModel) -> tuple:
+    """(Resting, ...): each edge that can carry the object, or nearly, upon each segment of the palm."""
+    polygon, palm = model.scenario.object.polygon, model.scenario.palm
+    edges = [k for k in range(len(polygon.vertices)) if _may_rest_on(polygon, k)]
+    segments = range(len(palm.vertices) - 1)
+    return tuple(model.resting(edge, segment) for segment in segments for edge in edges)
+
+
+def alike(model: SqueezeModel, hypotheses: tuple) -> tuple:
+    """(tuple of places in `hypotheses`, ...): classes that feel the same, a regular polygon's edges for one."""
+    polygon, classes = model.scenario.object.polygon, []
+    for k, one in enumerate(hypotheses):
+        for members in classes:
+            other: Resting = hypotheses[members[0]]
+            if one.segment == other.segment and same_outlines(
+                polygon, one.edge, other.edge, SAME_OUTLINE
+            ):
+                members.append(k)
+                break
+        else:
+            classes.append([k])
+    return tuple(tuple(members) for members in classes)
+
+
+def _may_rest_on(polygon: Polygon, edge: int) -> bool:
+    e = polygon.edges[edge]
+    along = float((polygon.centroid - polygon.vertices[edge]) @ e / (e @ e))
+    return -NEARLY_STABLE < along < 1.0 + NEARLY_STABLE
