@@ -44,8 +44,11 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
     graph.client.cancel()
     graph.wait(lambda: heard.result, 'result')
     assert heard.result['outcome'] == 'canceled' and heard.result['reason'] == 'canceled'
-    assert [s.status for s in status[-1].status_list][-1] == GoalStatus.STATUS_CANCELED
-    assert modes[-1].data == 'stopped'
+    graph.wait(  # status and mode are topics of their own: nothing orders them before the result
+        lambda: status[-1].status_list[-1].status == GoalStatus.STATUS_CANCELED,
+        'the status of the canceled goal',
+    )
+    graph.wait(lambda: modes[-1].data == 'stopped', 'the mode after the cancel')
     graph.wait(
         lambda: abs(to_joints(reading_of(states[-1]))[1].velocities).max() < 0.2,
         'the fingers to come to rest and hold',
