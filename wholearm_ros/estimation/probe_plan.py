@@ -19,6 +19,7 @@ GRID = 0.05  # [rad] between the angles that are looked at
 STRONGEST, WEAKEST = 0.08, 0.03  # [N m] of the closing finger
 SAFETY = 2.0  # torque that would tip the object over the torque that is used
 OPENED = 0.12  # [rad] that both fingers open before they close
+REACH = 0.35  # [rad] from its closed limit at which the closing finger must have met the object
 STOP_MARGIN = 0.01  # [rad] inside of the closed limit at which a finger is stopped
 TOUCHING = 1e-6  # [m]
 LYING_ANGLE = (
@@ -124,7 +125,11 @@ def _tipping_along(model, resting, held, thetas) -> np.ndarray:
     """(k,) [N m], NaN where such an object is not met."""
     slides, angles = model.squeeze(resting, held, thetas)
     found = np.full(len(thetas), np.nan)
+    shut = model.world.limits[1 - held, 0 if held else 1]
     for k in np.flatnonzero(np.isfinite(angles)):
+        if abs(angles[k] - shut) < REACH:
+            found[k] = 0.0  # there the closing finger may pass over the object
+            continue
         found[k] = tipping_torque(model, resting, held, slides[k], thetas[k], angles[k])
     return found
 
