@@ -2,12 +2,9 @@
 
 from importlib.util import find_spec
 
-BACKENDS = (
-    'pybullet',
-    'mujoco',
-    'planar',
-)  # in order of preference; planar is our own and always there
+from wholearm_ros.model.choices import Backend
 
+BACKENDS = tuple(backend.value for backend in Backend)  # planar is our own and always there
 JURY = 'jury'  # in place of a backend: every one that is installed, on the same run
 
 

@@ -19,7 +19,7 @@ class Transition(str, Enum):
 
 
 class Backend(str, Enum):
-    """Physics of the simulated hand."""
+    """Physics of the simulated hand, in order of preference."""
 
     pybullet = 'pybullet'
     mujoco = 'mujoco'
