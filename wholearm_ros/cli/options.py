@@ -5,7 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
-from wholearm_ros.model.choices import Backend, Judge, Search, Transition
+from wholearm_ros.model.backends import JUDGES
+from wholearm_ros.model.choices import Backend, Search, Transition
 
 TIME_BUDGET = 180.0  # [s]
 MIN_SUCCESS = 0.8
@@ -16,6 +17,12 @@ def _writable(path: Path | None) -> Path | None:
     if path is not None and not path.absolute().parent.is_dir():
         raise typer.BadParameter(f'{path.absolute().parent} is not a directory')
     return path
+
+
+def _known_judge(value: str) -> str:
+    if value not in JUDGES:
+        raise typer.BadParameter(f'got {value!r}; allowed: {", ".join(JUDGES)}')
+    return value
 
 
 def output_file(name: str, text: str, default: bool | str = True) -> Any:
@@ -74,9 +81,11 @@ BackendOption = Annotated[
     Backend, typer.Option('--backend', help='Physics of the simulated hand; planar is our own.')
 ]
 JudgeOption = Annotated[
-    Judge,
+    str,
     typer.Option(
         '--backend',
+        metavar=f'[{"|".join(JUDGES)}]',
+        callback=_known_judge,
         help='Physics of the simulated hand; jury: all that are installed, and where they part.',
     ),
 ]

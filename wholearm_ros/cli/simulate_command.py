@@ -23,7 +23,7 @@ from wholearm_ros.cli.options import (
 from wholearm_ros.cli.output import finish, out, print_plain, write_json, write_text
 from wholearm_ros.cli.planning import plan_scenario, read_plan
 from wholearm_ros.model.backends import DEFAULT_BACKEND
-from wholearm_ros.model.choices import Judge, Search, Transition
+from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.run_document import run_document
 from wholearm_ros.suite.execution import Execution, execute
@@ -45,7 +45,7 @@ def simulate(
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
     min_success: SuccessOption = MIN_SUCCESS,
-    backend: JudgeOption = Judge(DEFAULT_BACKEND),
+    backend: JudgeOption = DEFAULT_BACKEND,
     rate: Annotated[
         float, typer.Option('--rate', min=50.0, max=10000.0, help='Control rate in Hz.')
     ] = 1000.0,
@@ -74,12 +74,12 @@ def simulate(
         if result.trajectory is None:
             finish(False)
         plan, trajectory = result.plan, result.trajectory
-    options = SuiteOptions(seed=seed, perturb=perturb, backend=backend.value, rate=rate)
+    options = SuiteOptions(seed=seed, perturb=perturb, backend=backend, rate=rate)
     execution = execute(plan.scenario, trajectory, options, view=view)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))
     if run_out:
-        facts = {'source': 'wholearm simulate', 'backend': backend.value, 'perturbation': perturb}
+        facts = {'source': 'wholearm simulate', 'backend': backend, 'perturbation': perturb}
         write_text(run_out, run_document(plan, trajectory, execution.record, facts), '--run')
     _print(execution)
     finish(execution.judged.executed)

@@ -20,7 +20,7 @@ from wholearm_ros.cli.options import (
 )
 from wholearm_ros.cli.output import err, finish, print_plain, write_json
 from wholearm_ros.model.backends import DEFAULT_BACKEND
-from wholearm_ros.model.choices import Judge, Search, Transition
+from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.suite.jury_summary import jury_lines
 from wholearm_ros.suite.result_document import suite_document
 from wholearm_ros.suite.statistics import TIMES, summarize
@@ -63,7 +63,7 @@ def suite(
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
     min_success: SuccessOption = MIN_SUCCESS,
-    backend: JudgeOption = Judge(DEFAULT_BACKEND),
+    backend: JudgeOption = DEFAULT_BACKEND,
     json_out: JsonOption = None,
 ) -> None:
     """Plan and execute many scenarios, and count what was planned and what reached its goal.
@@ -81,7 +81,7 @@ def suite(
         transition=transition.value,
         time_budget=time_budget,
         min_success=min_success,
-        backend=backend.value,
+        backend=backend,
     )
     results = _run_with_progress(tasks, options, jobs, scheduler)
     summary = summarize(results)

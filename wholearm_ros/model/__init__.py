@@ -1,1 +1,1 @@
-"""Frozen nouns: what a task, a contact state, a plan and a trajectory are. No behaviour beyond their own geometry."""
+"""Frozen nouns: what a task, a contact state, a plan and a trajectory are."""

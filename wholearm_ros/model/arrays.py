@@ -1,9 +1,12 @@
 """Read-only arrays: how frozen values hold numbers."""
 
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
 
 
-def readonly(values, shape=None, dtype=float) -> np.ndarray:
+def readonly(
+    values: ArrayLike, shape: tuple[int, ...] | None = None, dtype: DTypeLike = float
+) -> np.ndarray:
     """A read-only copy of `values`; `shape` may hold -1 for a free axis.
 
     Raises ValueError when the shape does not fit or a number is not finite.

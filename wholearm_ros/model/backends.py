@@ -1,4 +1,4 @@
-"""The physics behind a stand-in of the hand: what there is, what is installed, and what is taken when none is asked for."""
+"""The physics of a simulated hand: what exists, what is installed, which one is the default."""
 
 from importlib.util import find_spec
 
@@ -6,6 +6,7 @@ from wholearm_ros.model.choices import Backend
 
 BACKENDS = tuple(backend.value for backend in Backend)  # planar is our own and always there
 JURY = 'jury'  # in place of a backend: every one that is installed, on the same run
+JUDGES = (*BACKENDS, JURY)  # what a run without ROS may be judged by
 
 
 def installed_backends() -> tuple[str, ...]:
@@ -16,7 +17,7 @@ def installed_backends() -> tuple[str, ...]:
 def _is_installed(module: str) -> bool:
     try:
         return find_spec(module) is not None
-    except ImportError:  # something that finds modules refuses this one
+    except ImportError:  # a custom finder refuses this module
         return False
 
 

@@ -1,4 +1,4 @@
-"""A certificate: how surely a plan succeeds, from fresh samples that had no part in choosing it."""
+"""A certificate: how surely a plan succeeds, from fresh samples that did not help to choose it."""
 
 from dataclasses import asdict, dataclass
 
@@ -9,8 +9,10 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Certificate:
-    """Of `samples` perturbed samples at `level`, `survived` ended at the goal; so, with that confidence, a run at that level
-    succeeds with a probability of at least `lower_bound` (Clopper–Pearson, one-sided)."""
+    """Of `samples` samples perturbed at `level`, `survived` reached the goal. With probability
+    `confidence`, the success rate of a run at that level is therefore at least `lower_bound`
+    (Clopper–Pearson, one-sided).
+    """
 
     level: float
     samples: int
@@ -19,6 +21,7 @@ class Certificate:
     confidence: float = CONFIDENCE
 
     def to_dict(self) -> dict[str, float]:
+        """The fields by name, for documents."""
         return asdict(self)
 
     def __str__(self) -> str:
@@ -29,12 +32,14 @@ class Certificate:
 
 
 def certificate(level: float, samples: int, survived: int) -> Certificate:
-    """With the Clopper–Pearson bound: the rate at which so many survivors have a probability of 1 − confidence."""
+    """The certificate of `survived` out of `samples` samples at `level`."""
     return Certificate(level, samples, survived, lower_bound(samples, survived))
 
 
 def lower_bound(samples: int, survived: int, confidence: float = CONFIDENCE) -> float:
-    """Largest rate p such that `survived` or more of `samples` are no likelier than 1 − confidence; 0 without survivors."""
+    """Clopper–Pearson: the largest success rate at which at least `survived` of `samples` survive
+    with a probability of at most 1 − confidence; 0 without survivors.
+    """
     if survived == 0:
         return 0.0
     return float(betaincinv(survived, samples - survived + 1, 1.0 - confidence))

@@ -1,10 +1,10 @@
-"""What may be chosen on the command line. Imports nothing: --help is quick."""
+"""What a user may choose, each enumeration once. Imports nothing, so that --help is quick."""
 
 from enum import Enum
 
 
 class Search(str, Enum):
-    """How Phase 1 searches the contact states: widest torque margins first, or at random as in the paper."""
+    """How Phase 1 searches: widest torque margins first, or at random as in the paper."""
 
     best = 'best'
     random = 'random'
@@ -24,15 +24,6 @@ class Backend(str, Enum):
     pybullet = 'pybullet'
     mujoco = 'mujoco'
     planar = 'planar'
-
-
-class Judge(str, Enum):
-    """Physics that a run without ROS is judged in: one backend, or every one that is installed."""
-
-    pybullet = 'pybullet'
-    mujoco = 'mujoco'
-    planar = 'planar'
-    jury = 'jury'
 
 
 class Pacing(str, Enum):

@@ -1,7 +1,7 @@
 """The coordinates of a configuration q = (x, y, φ, θ_L, θ_R): the one place that knows their order.
 
-x, y: centroid of the object [m]; φ: its rotation [rad]; θ_L, θ_R: joint angles of the fingers [rad]. Velocities, loads,
-inertias and rows of Jacobians have the same order.
+x, y: centroid of the object [m]; φ: its rotation [rad]; θ_L, θ_R: joint angles of the fingers
+[rad]. Velocities, loads, inertias and rows of Jacobians have the same order.
 """
 
 X, Y, ROTATION, LEFT_JOINT, RIGHT_JOINT = range(5)

@@ -1,4 +1,4 @@
-"""The region of poses that count as the goal of a scenario: the one judge of whether an object has arrived."""
+"""The goal region of a scenario: the one judge of whether an object has arrived."""
 
 from dataclasses import dataclass
 from typing import Union
@@ -20,13 +20,15 @@ Margin = Union[float, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class GoalRegion:
-    """Target pose of the object and how far it may be from it, coordinate by coordinate.
+    """Target pose of the object and the tolerance of each of its coordinates.
 
-    target: (3,) centroid x, y [m] and rotation [rad], NaN where the goal does not name the coordinate; tolerance: (3,)
-    of the same units; on_palm: the object shall lie on the palm, and `error` gives its height above it in place of y.
-    vertices: (n, 2) [m] of the object about its centroid. Both of the true object, where it is known.
+    target: (3,) centroid x, y [m] and rotation [rad], NaN where the goal does not name the
+    coordinate; tolerance: (3,) in the same units; on_palm: whether the object shall lie on the
+    palm, in which case `error` holds its height above the palm in place of y; vertices: (n, 2) [m]
+    of the object about its centroid. Where the true object is known, target and vertices are its.
 
-    Whoever plans asks for a `margin`: the share of every tolerance, or of each (3,), that must be left.
+    `margin` arguments: the share of all tolerances, or of each one (3,), that must remain unused.
+    Planning asks for such a margin; outcomes are judged without.
     """
 
     target: np.ndarray
@@ -41,7 +43,9 @@ class GoalRegion:
         return float(self.target[2])
 
     def height(self, pose: np.ndarray) -> float:
-        """Distance [m] of the object's lowest vertex at `pose` (3,) from the palm's segment under its centroid."""
+        """Height [m] of the object's lowest vertex at `pose` (3,) above the palm's segment under
+        its centroid.
+        """
         k = palm_segment_under(self.palm, pose[0])
         start, end = self.palm.vertices[k : k + 2]
         dx, dy = end - start
@@ -50,20 +54,23 @@ class GoalRegion:
         return float(normal @ (pose[:2] - start) + below)
 
     def error(self, pose: np.ndarray) -> np.ndarray:
-        """(3,) x, y (or height above the palm) [m] and rotation [rad] of `pose` (3,) from the goal; 0 where none is named."""
+        """(3,) error of `pose` (3,): x, y (or height above the palm) [m], rotation [rad]; 0 where
+        the goal does not name the coordinate.
+        """
         error = np.where(np.isnan(self.target), 0.0, pose - self.target)
         if self.on_palm:
             error[1] = self.height(pose)
         return error
 
     def missing(self, pose: np.ndarray, margin: Margin = 0.0) -> list[str]:
-        """What of `pose` (3,) is not at the goal, in words, rotation first; empty when it is."""
+        """In words, the coordinates of `pose` (3,) outside the region, rotation first."""
         allowed = (1.0 - np.asarray(margin)) * self.tolerance
         error, words = self.error(pose), []
         for k in np.flatnonzero(np.abs(error) > allowed)[::-1]:
             if k == 1 and self.on_palm:
                 words.append(
-                    f'the object is {1e3 * error[1]:.2f} mm above the palm; allowed: {1e3 * allowed[1]:.3g}'
+                    f'the object is {1e3 * error[1]:.2f} mm above the palm; '
+                    f'allowed: {1e3 * allowed[1]:.3g}'
                 )
             else:
                 name, unit = ('x', 'y', 'rotation')[k], ('m', 'm', 'rad')[k]
@@ -71,12 +78,14 @@ class GoalRegion:
         return words
 
     def reached(self, pose: np.ndarray, margin: Margin = 0.0) -> bool:
-        """Whether `pose` (3,) is inside of the region, by that margin."""
+        """Whether `pose` (3,) is inside the region, by that margin."""
         allowed = (1.0 - np.asarray(margin)) * self.tolerance
         return bool((np.abs(self.error(pose)) <= allowed).all())
 
     def near_steps(self, poses: np.ndarray, margin: Margin = 0.0) -> np.ndarray:
-        """Indices of the steps between successive poses (m, 3) that x and rotation do not rule out: quick, for long paths."""
+        """Indices of the steps between successive poses (m, 3) that may cross the region, judged
+        by x and rotation only: a quick filter for long paths.
+        """
         error = np.where(np.isnan(self.target), 0.0, poses - self.target)[:, [0, 2]]
         allowed = ((1.0 - np.asarray(margin)) * self.tolerance)[[0, 2]]
         low, high = np.minimum(error[:-1], error[1:]), np.maximum(error[:-1], error[1:])
@@ -88,7 +97,7 @@ class GoalRegion:
 
 
 def goal_region(scenario: Scenario) -> GoalRegion:
-    """The region that the goal of `scenario` stands for, for its own object: of the true one, where that is given."""
+    """The goal region of `scenario` for the object that it holds (nominal or true)."""
     goal, polygon, palm = scenario.goal, scenario.object.polygon, scenario.palm
     if isinstance(goal, GoalAtPose):
         target, tolerance, on_palm = goal.pose, goal.tolerance, False

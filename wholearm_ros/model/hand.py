@@ -9,15 +9,14 @@ from wholearm_ros.model.arrays import readonly
 LEFT, RIGHT = 0, 1
 SIDES = ('left', 'right')
 JOINT_NAMES = ('left_finger_joint', 'right_finger_joint')
-CLOSING = (
-    -1.0,
-    1.0,
-)  # sign of the joint velocity and torque that pushes a finger towards the other one
+CLOSING = -1.0, 1.0  # sign of a joint velocity or torque that moves a finger towards the other one
 
 
 @dataclass(frozen=True, eq=False)
 class Finger:
-    """A rectangular finger turning about a fixed axis; θ is its direction from +x, counter-clockwise.
+    """A rectangular finger that turns about a fixed axis.
+
+    Its joint angle θ is its direction, counter-clockwise from +x.
 
     axis: (2,) [m]; length, half_width [m]; mass [kg]; rotor_inertia [kg m²] seen at the joint;
     angle_limits: (2,) [rad]; torque_limit [N m].
@@ -31,7 +30,7 @@ class Finger:
     angle_limits: np.ndarray
     torque_limit: float
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'axis', readonly(self.axis, (2,)))
         object.__setattr__(self, 'angle_limits', readonly(self.angle_limits, (2,)))
 
@@ -50,7 +49,7 @@ class Finger:
             self.half_width,
             self.mass,
             self.rotor_inertia,
-            (np.pi - high, np.pi - low),
+            np.array([np.pi - high, np.pi - low]),
             self.torque_limit,
         )
 
@@ -66,6 +65,7 @@ class Hand:
         return (self.left, self.right)[side]
 
     def mirrored(self) -> 'Hand':
+        """The mirror image (x → -x): left and right change places."""
         return Hand(self.right.mirrored(), self.left.mirrored())
 
 
@@ -75,8 +75,9 @@ class Palm:
 
     vertices: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'vertices', readonly(self.vertices, (-1, 2)))
 
     def mirrored(self) -> 'Palm':
+        """The mirror image (x → -x), its free side on its left again."""
         return Palm((self.vertices * [-1.0, 1.0])[::-1])

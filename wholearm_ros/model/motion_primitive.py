@@ -1,6 +1,7 @@
 """A motion primitive: one finger turns from rest to rest while the other holds a torque."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.hand import SIDES
@@ -8,8 +9,10 @@ from wholearm_ros.model.hand import SIDES
 
 @dataclass(frozen=True)
 class MotionPrimitive:
-    """velocity_finger: LEFT or RIGHT; turn [rad] of it; torque [N m] of the other one towards closing, beyond what holds it
-    against gravity; speed [rad/s]: greatest of the turn; settle [s]: time to come to rest after it; slew [N m/s]: of the torque."""
+    """velocity_finger: LEFT or RIGHT; turn: its rotation [rad]; torque: of the other finger towards
+    closing [N m], beyond what holds it against gravity; speed: peak of the turn [rad/s];
+    settle: time after the turn to come to rest [s]; slew: rate limit of the torque [N m/s].
+    """
 
     velocity_finger: int
     turn: float
@@ -18,7 +21,8 @@ class MotionPrimitive:
     settle: float = 0.16
     slew: float = 20.0
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
+        """For documents."""
         return {
             'velocity_finger': SIDES[self.velocity_finger],
             'turn': self.turn,
@@ -29,7 +33,7 @@ class MotionPrimitive:
         }
 
     @classmethod
-    def from_dict(cls, d: dict) -> 'MotionPrimitive':
+    def from_dict(cls, d: dict[str, Any]) -> 'MotionPrimitive':
         """Raises DocumentError when something is missing or of the wrong kind."""
         try:
             return cls(
@@ -46,4 +50,5 @@ class MotionPrimitive:
             ) from error
 
     def mirrored(self) -> 'MotionPrimitive':
+        """The mirror image (x → -x)."""
         return replace(self, velocity_finger=1 - self.velocity_finger, turn=-self.turn)

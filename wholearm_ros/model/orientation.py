@@ -1,15 +1,15 @@
-"""What a scenario asks for: the orientation it starts from and the orientation it shall end in."""
+"""Orientation of the object at the start and at the goal of a scenario."""
 
 import numpy as np
 
 from wholearm_ros.model.hand import Palm
 from wholearm_ros.model.scenario import CCW, GoalAtPose, Scenario, StartAtPose
 
-SAME_ANGLE = 1e-9  # [rad] rotations below this count as none
+SAME_ANGLE = 1e-9  # [rad] smaller rotations count as none
 
 
 def palm_segment_under(palm: Palm, x: float) -> int:
-    """Index of the segment of the palm's polyline at `x` [m]; beyond its ends the first or the last one."""
+    """Index of the palm's segment at `x` [m]; beyond the ends of the polyline, the nearest one."""
     v = palm.vertices
     for k in range(len(v) - 1):
         if min(v[k, 0], v[k + 1, 0]) <= x <= max(v[k, 0], v[k + 1, 0]):
@@ -37,8 +37,9 @@ def start_rotation(scenario: Scenario) -> float:
 def goal_rotation(scenario: Scenario) -> float:
     """Rotation of the object's file axes at the goal [rad], not wrapped.
 
-    For a goal on an edge: the start's rotation plus the smallest turn (0, 2π] in the goal's direction that lays
-    that edge on the palm, under the goal's x if it has one, else under the start's.
+    For a goal on an edge: the start's rotation plus the smallest turn (0, 2π] in the goal's
+    direction that lays that edge on the palm, under the goal's x if it has one, else under the
+    start's.
     """
     goal, begin = scenario.goal, start_rotation(scenario)
     if isinstance(goal, GoalAtPose):
@@ -57,7 +58,7 @@ def start_x(scenario: Scenario) -> float:
 
 
 def turns_clockwise(scenario: Scenario) -> bool:
-    """Whether the object shall turn clockwise: such a task is planned as its mirror image."""
+    """Whether the object shall turn clockwise: such a scenario is planned as its mirror image."""
     if isinstance(scenario.goal, GoalAtPose):
         return goal_rotation(scenario) < start_rotation(scenario) - SAME_ANGLE
     return scenario.goal.direction != CCW

@@ -1,6 +1,7 @@
-"""What may truly be different from what the planner was told."""
+"""Perturbations: how the true object, friction, motors and encoders differ from nominal."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +17,7 @@ MAX_FRICTION = 0.05  # coefficient of friction of the object against everything
 MAX_DELAY = 0.003  # [s] from a command to the motor
 TORQUE_SHARE = 0.03  # each motor's torque is off by up to this share
 ENCODER_NOISE = 0.0002  # [rad] standard deviation of an angle reading
-VELOCITY_NOISE = (
-    0.02  # [rad/s] standard deviation of a velocity reading: a filtered derivative of those angles
-)
+VELOCITY_NOISE = 0.02  # [rad/s] likewise of a velocity reading: a filtered derivative of the angle
 MIN_TURN = 1e-3  # sine of the smallest turn that a perturbed polygon must keep at each vertex
 MAX_TRIES = 1000
 MAX_HALVINGS = 60
@@ -26,8 +25,10 @@ MAX_HALVINGS = 60
 
 @dataclass(frozen=True, eq=False)
 class Perturbation:
-    """mass_factor; vertex_offsets: (n, 2) [m] or None; friction; actuation_delay [s]; torque_factors: (2,), left then
-    right; encoder_noise [rad], velocity_noise [rad/s]: standard deviations; noise_seed: of the readings."""
+    """mass_factor; vertex_offsets: (n, 2) [m] or None; friction; actuation_delay [s];
+    torque_factors: (2,), left then right; encoder_noise [rad], velocity_noise [rad/s]: standard
+    deviations; noise_seed: of the readings.
+    """
 
     mass_factor: float = 1.0
     vertex_offsets: np.ndarray | None = None
@@ -38,13 +39,13 @@ class Perturbation:
     velocity_noise: float = 0.0
     noise_seed: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'torque_factors', readonly(self.torque_factors, (2,)))
         if self.vertex_offsets is not None:
             object.__setattr__(self, 'vertex_offsets', readonly(self.vertex_offsets, (-1, 2)))
 
     def applied(self, scenario: Scenario) -> Scenario:
-        """The scenario as it truly is: mass and shape changed, everything else as told."""
+        """The true scenario: perturbed mass and shape, everything else nominal."""
         vertices = scenario.object.polygon.vertices
         if self.vertex_offsets is not None:
             vertices = vertices + self.vertex_offsets
@@ -52,11 +53,11 @@ class Perturbation:
         return replace(scenario, object=thing)
 
     def reseeded(self, seed: int) -> 'Perturbation':
-        """The same with other encoder noise."""
+        """The same perturbation with other encoder noise."""
         return replace(self, noise_seed=self.noise_seed + seed)
 
-    def to_dict(self) -> dict:
-        """For reports."""
+    def to_dict(self) -> dict[str, Any]:
+        """For documents."""
         offsets = None if self.vertex_offsets is None else self.vertex_offsets.tolist()
         return {
             'mass_factor': self.mass_factor,
@@ -74,7 +75,9 @@ NOMINAL = Perturbation()
 
 
 def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario) -> Perturbation:
-    """One draw at `level` (0 is nominal, 1 as in the constants above), the same for the same `rng` state."""
+    """One draw at `level` (0 is nominal, 1 as in the constants above), reproducible from the state
+    of `rng`. Raises ScenarioError when no offsets keep the polygon convex.
+    """
     if level == 0.0:
         return NOMINAL
     return Perturbation(
@@ -90,8 +93,9 @@ def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario
 
 
 def _draw_offsets(rng: np.random.Generator, size: float, vertices: np.ndarray) -> np.ndarray:
-    """(n, 2) [m], drawn again until the polygon stays convex. Where edges are so short, or corners so flat, that hardly any
-    draw leaves it so, the last draw is halved until it does."""
+    """(n, 2) [m], drawn again until the polygon stays convex. Where edges are so short, or corners
+    so flat, that hardly any draw keeps it convex, the last draw is halved until it does.
+    """
     for _ in range(MAX_TRIES):
         offsets = size * rng.uniform(-1.0, 1.0, size=vertices.shape)
         if _stays_convex(vertices + offsets):

@@ -1,9 +1,10 @@
-"""A contact plan: the subgoals that were found, and the legs that lead from the start to the goal."""
+"""A contact plan: the subgoals found by Phase 1, and the legs that lead from start to goal."""
 
 import json
 import uuid
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,70 +15,111 @@ from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 
 FORMAT = 'wholearm-contact-plan/1'
-X_INIT, X_START, X_THROUGH, X_END, X_GOAL, Y = (
-    'X_init',
-    'X_start',
-    'X_through',
-    'X_end',
-    'X_goal',
-    'Y',
-)
-FOUND, EXHAUSTED, LIMIT_REACHED, TIME_SPENT, NOT_EXECUTABLE = (
-    'found',
-    'exhausted',
-    'limit_reached',
-    'time_spent',
-    'not_executable',
-)
+X_INIT, X_START, X_THROUGH, X_END = 'X_init', 'X_start', 'X_through', 'X_end'
+X_GOAL, Y = 'X_goal', 'Y'
+FOUND, EXHAUSTED, LIMIT_REACHED = 'found', 'exhausted', 'limit_reached'
+TIME_SPENT, NOT_EXECUTABLE = 'time_spent', 'not_executable'
 OUTCOMES = (FOUND, EXHAUSTED, LIMIT_REACHED, TIME_SPENT, NOT_EXECUTABLE)
 ID_NAMESPACE = uuid.UUID('6f1d2a4e-52a1-5c0e-9a53-0b6f2f6c9d10')
+# What reading a damaged document may raise, besides the errors of this package.
+DAMAGES = (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError)
 
 
 @dataclass(frozen=True, eq=False)
 class Subgoal:
     """One X or Y of the subgoal network (III-A.2).
 
-    configuration: (5,) x, y, φ, θ_L, θ_R [m, rad]; contacts: names of the closed pairs;
-    direction: sign of the velocity finger's motion towards it, 0 where none; parent: number of the subgoal before, or None.
+    kind: X_INIT to Y above; configuration: (5,) x, y, φ, θ_L, θ_R [m, rad]; contacts: names of the
+    closed pairs; direction: sign of the velocity finger's motion towards it, 0 where there is none;
+    parent: number of the subgoal before it, or None.
     """
 
     number: int
     kind: str
     configuration: np.ndarray
-    contacts: tuple
+    contacts: tuple[str, ...]
     direction: int = 0
-    parent: int = None
+    parent: int | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'configuration', readonly(self.configuration, (5,)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """For documents."""
+        return {
+            'number': self.number,
+            'kind': self.kind,
+            'configuration': self.configuration.tolist(),
+            'contacts': list(self.contacts),
+            'direction': self.direction,
+            'parent': self.parent,
+        }
+
+    @classmethod
+    def from_dict(cls, d: dict[str, Any]) -> 'Subgoal':
+        """Raises one of DAMAGES when something is missing or of the wrong kind."""
+        return cls(
+            d['number'],
+            d['kind'],
+            d['configuration'],
+            tuple(d['contacts']),
+            d['direction'],
+            d['parent'],
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Leg:
     """The way from one subgoal to the next with the same closed pairs.
 
-    mode: of Phase 1, quasi_static, dynamic or caging; configurations: (m, 5) along the way;
-    action: what a dynamic leg does, {} otherwise.
+    start, end: numbers of the subgoals; mode: of Phase 1, quasi_static, dynamic or caging;
+    contacts: names of the closed pairs; configurations: (m, 5) [m, rad] along the way; action: the
+    motion primitive of a dynamic leg, {} otherwise.
     """
 
     start: int
     end: int
     mode: str
-    contacts: tuple
+    contacts: tuple[str, ...]
     configurations: np.ndarray
-    action: dict = field(default_factory=dict)
+    action: dict[str, Any] = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'configurations', readonly(self.configurations, (-1, 5)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """For documents."""
+        return {
+            'start': self.start,
+            'end': self.end,
+            'mode': self.mode,
+            'contacts': list(self.contacts),
+            'configurations': self.configurations.tolist(),
+            'action': self.action,
+        }
+
+    @classmethod
+    def from_dict(cls, d: dict[str, Any]) -> 'Leg':
+        """Raises one of DAMAGES when something is missing or of the wrong kind."""
+        return cls(
+            d['start'],
+            d['end'],
+            d['mode'],
+            tuple(d['contacts']),
+            d['configurations'],
+            d['action'],
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class ContactPlan:
-    """What Phase 1 answers. `outcome` says whether there is a route; `reason` says why not, or what was found.
+    """The answer of Phase 1: a route, or the reason why there is none.
 
-    counts: numbers of the search (iterations, arcs, subgoals X and Y); cost: of the route, by name;
-    execution: how Phase 2 shall execute it (the choices that verification liked best), {} for the defaults;
-    certificate: how surely it succeeds, None when nobody asked.
+    search, seed: how it was searched for; outcome: one of OUTCOMES; reason: in words, what was
+    found or why nothing was; counts: figures of the search by name; subgoals: all that were found;
+    path: numbers of those on the route, X_init first; legs: along it; cost: of the route, by name;
+    execution: options of Phase 2 chosen by verification, {} for the defaults; certificate: how
+    surely it succeeds, None when none was asked for.
     """
 
     scenario: Scenario
@@ -85,16 +127,17 @@ class ContactPlan:
     seed: int
     outcome: str
     reason: str
-    counts: dict
-    subgoals: tuple = ()
-    path: tuple = ()
-    legs: tuple = ()
-    cost: dict = field(default_factory=dict)
-    execution: dict = field(default_factory=dict)
+    counts: dict[str, Any]
+    subgoals: tuple[Subgoal, ...] = ()
+    path: tuple[int, ...] = ()
+    legs: tuple[Leg, ...] = ()
+    cost: dict[str, Any] = field(default_factory=dict)
+    execution: dict[str, Any] = field(default_factory=dict)
     certificate: Certificate | None = None
 
     @property
     def found(self) -> bool:
+        """Whether there is a route."""
         return self.outcome == FOUND
 
     @cached_property
@@ -116,9 +159,11 @@ class ContactPlan:
         if not self.found:
             return f'no plan ({self.outcome}): {self.reason} [{counts}]'
         sure = f'; {self.certificate}' if self.certificate else ''
-        return f'plan {self.id[:8]}: {len(self.path)} subgoals on the path, {self.reason}{sure} [{counts}]'
+        route = f'{len(self.path)} subgoals on the path, {self.reason}'
+        return f'plan {self.id[:8]}: {route}{sure} [{counts}]'
 
-    def with_execution(self, execution: dict) -> 'ContactPlan':
+    def with_execution(self, execution: dict[str, Any]) -> 'ContactPlan':
+        """The same route, to be executed with those options."""
         return replace(self, execution=execution)
 
     def to_json(self) -> str:
@@ -129,7 +174,7 @@ class ContactPlan:
             allow_nan=False,
         )
 
-    def _content(self) -> dict:
+    def _content(self) -> dict[str, Any]:
         return {
             'scenario': scenario_to_dict(self.scenario),
             'search': self.search,
@@ -138,28 +183,8 @@ class ContactPlan:
             'reason': self.reason,
             'counts': self.counts,
             'path': list(self.path),
-            'subgoals': [
-                {
-                    'number': s.number,
-                    'kind': s.kind,
-                    'configuration': s.configuration.tolist(),
-                    'contacts': list(s.contacts),
-                    'direction': s.direction,
-                    'parent': s.parent,
-                }
-                for s in self.subgoals
-            ],
-            'legs': [
-                {
-                    'start': leg.start,
-                    'end': leg.end,
-                    'mode': leg.mode,
-                    'contacts': list(leg.contacts),
-                    'configurations': leg.configurations.tolist(),
-                    'action': leg.action,
-                }
-                for leg in self.legs
-            ],
+            'subgoals': [subgoal.to_dict() for subgoal in self.subgoals],
+            'legs': [leg.to_dict() for leg in self.legs],
             'cost': self.cost,
             'execution': self.execution,
             **({'certificate': self.certificate.to_dict()} if self.certificate else {}),
@@ -167,64 +192,40 @@ class ContactPlan:
 
     @classmethod
     def from_json(cls, text: str) -> 'ContactPlan':
-        """Raises DocumentError when `text` is damaged, of another format, or its content does not match its id."""
+        """Raises DocumentError when `text` is damaged, of another format, or its content does not
+        match its id.
+        """
         try:
             d = json.loads(text)
             if d.get('format') != FORMAT:
                 raise DocumentError(
                     f'plan document: format is {d.get("format")!r}; allowed: {FORMAT!r}'
                 )
-            plan = cls(
-                parse_scenario(d['scenario'], 'plan document'),
-                d['search'],
-                d['seed'],
-                d['outcome'],
-                d['reason'],
-                d['counts'],
-                tuple(
-                    Subgoal(
-                        s['number'],
-                        s['kind'],
-                        s['configuration'],
-                        tuple(s['contacts']),
-                        s['direction'],
-                        s['parent'],
-                    )
-                    for s in d['subgoals']
-                ),
-                tuple(d['path']),
-                tuple(
-                    Leg(
-                        leg['start'],
-                        leg['end'],
-                        leg['mode'],
-                        tuple(leg['contacts']),
-                        leg['configurations'],
-                        leg['action'],
-                    )
-                    for leg in d['legs']
-                ),
-                d['cost'],
-                d['execution'],
-                Certificate(**d['certificate']) if d.get('certificate') else None,
-            )
-            got = d['id']
-        except DocumentError:
-            raise
-        except (
-            ValueError,
-            OverflowError,
-            TypeError,
-            KeyError,
-            AttributeError,
-            RecursionError,
-            ScenarioError,
-        ) as error:
+            plan, got = cls._from_content(d), d['id']
+        except (*DAMAGES, ScenarioError) as error:
             raise DocumentError(
                 f'plan document is damaged: {type(error).__name__}: {error}'
             ) from error
         if plan.id != got:
             raise DocumentError(
-                f'plan document: its content has the id {plan.id}, it says {got}; it was changed on its way'
+                f'plan document: its content has the id {plan.id}, it says {got}; '
+                'it was changed after it was written'
             )
         return plan
+
+    @classmethod
+    def _from_content(cls, d: dict[str, Any]) -> 'ContactPlan':
+        return cls(
+            parse_scenario(d['scenario'], 'plan document'),
+            d['search'],
+            d['seed'],
+            d['outcome'],
+            d['reason'],
+            d['counts'],
+            tuple(map(Subgoal.from_dict, d['subgoals'])),
+            tuple(d['path']),
+            tuple(map(Leg.from_dict, d['legs'])),
+            d['cost'],
+            d['execution'],
+            Certificate(**d['certificate']) if d.get('certificate') else None,
+        )

@@ -17,22 +17,23 @@ class Polygon:
 
     vertices: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'vertices', readonly(self.vertices, (-1, 2)))
 
     @property
     def edges(self) -> np.ndarray:
         """(n, 2) [m]: edge k runs from vertex k to vertex k + 1."""
-        return np.roll(self.vertices, -1, axis=0) - self.vertices
+        edges: np.ndarray = np.roll(self.vertices, -1, axis=0) - self.vertices
+        return edges
 
     @property
     def area(self) -> float:
-        """[m²]"""
+        """Area [m²]."""
         return 0.5 * float(_cross_with_next(self.vertices).sum())
 
     @cached_property
     def centroid(self) -> np.ndarray:
-        """(2,) [m]"""
+        """(2,) centroid [m], in the frame of `vertices`."""
         v, cross = self.vertices, _cross_with_next(self.vertices)
         return readonly(
             ((v + np.roll(v, -1, axis=0)) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()), (2,)
@@ -40,8 +41,9 @@ class Polygon:
 
     @property
     def vertices_about_centroid(self) -> np.ndarray:
-        """(n, 2) [m], the same axes with the centroid as origin: the object frame."""
-        return self.vertices - self.centroid
+        """(n, 2) [m] vertices with the centroid as origin: the object frame."""
+        about_centroid: np.ndarray = self.vertices - self.centroid
+        return about_centroid
 
     def radius_of_gyration_squared(self) -> float:
         """Second polar moment of area about the centroid over the area [m²]."""
@@ -52,14 +54,14 @@ class Polygon:
         )
 
     def resting_angle(self, edge: int) -> float:
-        """Rotation [rad] in (-π, π] that lays `edge` flat on a floor along +x, the polygon above it."""
+        """Rotation [rad] in (-π, π] that lays `edge` on a floor along +x, the polygon above."""
         dx, dy = self.edges[edge]
         return float(-np.arctan2(dy, dx))
 
     def can_rest_on(self, edge: int) -> bool:
-        """Whether the centroid lies strictly between the normals at both ends of `edge` (III-B.3)."""
+        """Whether the centroid projects strictly inside `edge` (III-B.3)."""
         e = self.edges[edge]
-        along = (self.centroid - self.vertices[edge]) @ e / (e @ e)
+        along = float((self.centroid - self.vertices[edge]) @ e / (e @ e))
         return 0.0 < along < 1.0
 
     def mirrored(self) -> 'Polygon':
@@ -70,18 +72,23 @@ class Polygon:
 
 
 def rotated(vertices: np.ndarray, angle: float) -> np.ndarray:
-    """(n, 2): vertices turned about the origin by `angle` [rad], counter-clockwise."""
+    """(n, 2) vertices turned about the origin by `angle` [rad], counter-clockwise."""
     c, s = np.cos(angle), np.sin(angle)
-    return vertices @ np.array([[c, s], [-s, c]])
+    turned: np.ndarray = vertices @ np.array([[c, s], [-s, c]])
+    return turned
 
 
 def support(vertices: np.ndarray, angle: float, normal: np.ndarray) -> float:
-    """How far [m] the outline, turned by `angle` [rad], reaches along `normal` (2,) at the least: negative below the origin."""
+    """Least extent [m] of the vertices (n, 2), turned by `angle` [rad], along `normal` (2,); below
+    the origin it is negative.
+    """
     return float((rotated(vertices, angle) @ normal).min())
 
 
 def same_outlines(polygon: Polygon, one: int, other: int, tolerance: float) -> bool:
-    """Whether the outline looks the same lying on edge `one` as on edge `other`, each vertex within `tolerance` [m]."""
+    """Whether the outlines of the object lying on edge `one` and on edge `other` coincide, each
+    vertex within `tolerance` [m].
+    """
     turned = []
     for edge in (one, other):
         vertices = np.roll(polygon.vertices_about_centroid, -edge, axis=0)
@@ -91,4 +98,5 @@ def same_outlines(polygon: Polygon, one: int, other: int, tolerance: float) -> b
 
 def _cross_with_next(v: np.ndarray) -> np.ndarray:
     w = np.roll(v, -1, axis=0)
-    return v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]
+    cross: np.ndarray = v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]
+    return cross

@@ -1,6 +1,7 @@
-"""A probing motion: where one finger is held while the other one closes gently on whatever lies between them."""
+"""A probing motion: one finger is held while the other closes gently on what lies between them."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,12 +12,12 @@ from wholearm_ros.model.hand import SIDES
 
 @dataclass(frozen=True, eq=False)
 class Probe:
-    """held: LEFT or RIGHT, the finger that is led from place to place; the other one closes.
+    """held: LEFT or RIGHT, the finger that moves from place to place; the other one closes.
 
-    places (k,) [rad]: angles of the held finger at which the pair of angles is read, each further closed than the one
-    before; end [rad]: where the held finger stands in the end; opened (2,) [rad]: how far each finger opens first;
-    torque [N m]: of the closing finger, beyond its own weight; weights (2,) [N m]: torque that bears each finger when it
-    lies level; stops (2,) [rad]: the angles beyond which no finger is sent.
+    places: (k,) angles of the held finger at which the pair of angles is read [rad], each further
+    closed than the one before; opened: (2,) how far each finger opens first [rad]; torque: of the
+    closing finger [N m], beyond its own weight; weights: (2,) torque that bears each finger when it
+    is horizontal [N m]; stops: (2,) angles beyond which no finger is sent [rad].
     """
 
     held: int
@@ -36,7 +37,7 @@ class Probe:
         """The finger that closes."""
         return 1 - self.held
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """For documents."""
         return {
             'held': SIDES[self.held],
@@ -48,7 +49,7 @@ class Probe:
         }
 
     @classmethod
-    def from_dict(cls, d: dict) -> 'Probe':
+    def from_dict(cls, d: dict[str, Any]) -> 'Probe':
         """Raises DocumentError when something is missing or of the wrong kind."""
         try:
             probe = cls(

@@ -1,4 +1,4 @@
-"""One task: the object, the hand, gravity, where it starts and where it shall rest."""
+"""A scenario: the object, the hand, gravity, the start and the goal."""
 
 from dataclasses import dataclass
 
@@ -45,6 +45,7 @@ class StartOnEdge:
     x: float
 
     def mirrored(self, edges: int) -> 'StartOnEdge':
+        """The mirror image (x → -x), for an object with that many edges."""
         return StartOnEdge(edges - 1 - self.edge, -self.x)
 
 
@@ -55,17 +56,20 @@ class StartAtPose:
     pose: np.ndarray
     fingers: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'pose', readonly(self.pose, (3,)))
         object.__setattr__(self, 'fingers', readonly(self.fingers, (2,)))
 
     def mirrored(self, edges: int) -> 'StartAtPose':
+        """The mirror image (x → -x), whatever the number of edges."""
         return StartAtPose(self.pose * [-1.0, 1.0, -1.0], np.pi - self.fingers[::-1])
 
 
 @dataclass(frozen=True)
 class GoalOnEdge:
-    """At rest on `edge`, reached by turning in `direction`; the centroid within x ± x_tolerance [m] if x is given."""
+    """At rest on `edge`, reached by turning in `direction` (CCW or CW), with the centroid within
+    x ± x_tolerance [m] where x is given.
+    """
 
     edge: int
     direction: str
@@ -73,6 +77,7 @@ class GoalOnEdge:
     x_tolerance: float | None = None
 
     def mirrored(self, edges: int) -> 'GoalOnEdge':
+        """The mirror image (x → -x), for an object with that many edges."""
         x = None if self.x is None else -self.x
         return GoalOnEdge(
             edges - 1 - self.edge, CCW if self.direction == CW else CW, x, self.x_tolerance
@@ -81,22 +86,23 @@ class GoalOnEdge:
 
 @dataclass(frozen=True, eq=False)
 class GoalAtPose:
-    """pose: (3,) centroid x, y [m] and rotation [rad], not wrapped; tolerance: (3,) of the same units."""
+    """pose: (3,) centroid x, y [m] and rotation, not wrapped [rad]; tolerance: (3,) likewise."""
 
     pose: np.ndarray
     tolerance: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, 'pose', readonly(self.pose, (3,)))
         object.__setattr__(self, 'tolerance', readonly(self.tolerance, (3,)))
 
     def mirrored(self, edges: int) -> 'GoalAtPose':
+        """The mirror image (x → -x), whatever the number of edges."""
         return GoalAtPose(self.pose * [-1.0, 1.0, -1.0], self.tolerance)
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """Everything a plan depends on."""
+    """Everything that a plan depends on."""
 
     object: ManipulatedObject
     hand: Hand
@@ -107,7 +113,7 @@ class Scenario:
     name: str = ''
 
     def mirrored(self) -> 'Scenario':
-        """The mirror image (x → -x): left and right, clockwise and counter-clockwise change places."""
+        """The mirror image (x → -x): left and right change places, and so do the directions."""
         edges = len(self.object.polygon.vertices)
         return Scenario(
             ManipulatedObject(self.object.polygon.mirrored(), self.object.mass),

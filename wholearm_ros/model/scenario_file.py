@@ -1,7 +1,8 @@
-"""Scenario files: YAML or JSON in, a Scenario out, every problem told at once."""
+"""Scenario files: YAML or JSON in, a Scenario out, with every problem reported at once."""
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -39,12 +40,15 @@ def load_scenario(path: str | Path) -> Scenario:
     return parse_scenario(read_mapping(found), source=str(found))
 
 
-def parse_scenario(mapping: Mapping, source: str = 'scenario') -> Scenario:
-    """The scenario in `mapping` (the keys of a scenario file); `source` names it in error messages."""
+def parse_scenario(mapping: Mapping[str, Any], source: str = 'scenario') -> Scenario:
+    """The scenario in `mapping` (the keys of a scenario file); `source` names it in messages.
+
+    Raises ScenarioError that lists every problem found.
+    """
     try:
         table = ScenarioTable.model_validate(mapping)
     except ValidationError as error:
-        raise _refusal(source, [_told(e) for e in error.errors(include_url=False)]) from error
+        raise _refusal(source, [_told(dict(e)) for e in error.errors(include_url=False)]) from error
     problems = problems_with(table)
     if problems:
         raise _refusal(source, problems)
@@ -55,8 +59,8 @@ def parse_scenario(mapping: Mapping, source: str = 'scenario') -> Scenario:
     return scenario
 
 
-def scenario_to_dict(scenario: Scenario) -> dict:
-    """The keys of a scenario file; `parse_scenario` of it gives the same numbers, to the last bit."""
+def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
+    """The keys of a scenario file; `parse_scenario` gives back the same numbers, bit by bit."""
     thing, gravity = scenario.object, scenario.gravity
     return {
         'name': scenario.name,
@@ -70,7 +74,7 @@ def scenario_to_dict(scenario: Scenario) -> dict:
 
 
 def _build(table: ScenarioTable) -> Scenario:
-    thing = ManipulatedObject(Polygon(table.object.vertices), table.object.mass)
+    thing = ManipulatedObject(Polygon(np.array(table.object.vertices)), table.object.mass)
     hand = Hand(*(Finger(**getattr(table.hand, side).model_dump()) for side in SIDES))
     gravity = Gravity(table.gravity.acceleration, float(np.radians(table.gravity.tilt_deg)))
     start = (StartOnEdge if isinstance(table.start, StartOnEdgeTable) else StartAtPose)(
@@ -79,10 +83,12 @@ def _build(table: ScenarioTable) -> Scenario:
     goal = (GoalOnEdge if isinstance(table.goal, GoalOnEdgeTable) else GoalAtPose)(
         **table.goal.model_dump()
     )
-    return Scenario(thing, hand, Palm(table.palm.vertices), gravity, start, goal, table.name)
+    return Scenario(
+        thing, hand, Palm(np.array(table.palm.vertices)), gravity, start, goal, table.name
+    )
 
 
-def _finger_to_dict(f: Finger) -> dict:
+def _finger_to_dict(f: Finger) -> dict[str, Any]:
     return {
         'axis': f.axis.tolist(),
         'length': f.length,
@@ -94,13 +100,13 @@ def _finger_to_dict(f: Finger) -> dict:
     }
 
 
-def _start_to_dict(start) -> dict:
+def _start_to_dict(start: StartOnEdge | StartAtPose) -> dict[str, Any]:
     if isinstance(start, StartOnEdge):
         return {'edge': start.edge, 'x': start.x}
     return {'pose': start.pose.tolist(), 'fingers': start.fingers.tolist()}
 
 
-def _goal_to_dict(goal) -> dict:
+def _goal_to_dict(goal: GoalOnEdge | GoalAtPose) -> dict[str, Any]:
     if isinstance(goal, GoalAtPose):
         return {'pose': goal.pose.tolist(), 'tolerance': goal.tolerance.tolist()}
     optional = {'x': goal.x, 'x_tolerance': goal.x_tolerance}
@@ -112,17 +118,17 @@ def _goal_to_dict(goal) -> dict:
 
 
 def _exact_degrees(angle: float) -> float:
-    """Degrees whose conversion gives back exactly `angle` [rad]: the shortest such number near it."""
+    """Degrees whose conversion gives back exactly `angle` [rad], the shortest such number."""
     near = float(np.degrees(angle))
     candidates = [round(near, 12), near, np.nextafter(near, -np.inf), np.nextafter(near, np.inf)]
     return float(next((c for c in candidates if float(np.radians(c)) == angle), near))
 
 
-def _refusal(source: str, problems: list) -> ScenarioError:
+def _refusal(source: str, problems: list[str]) -> ScenarioError:
     return ScenarioError('\n'.join(f'{source}: {p}' for p in problems))
 
 
-def _told(error: dict) -> str:
+def _told(error: dict[str, Any]) -> str:
     """One line of ours for one error of pydantic's: key, what was got, what is allowed."""
     key = _key(error['loc'])
     kind, context = error['type'], error.get('ctx', {})
@@ -139,10 +145,10 @@ def _told(error: dict) -> str:
         'model_type': 'a table of keys',
         'literal_error': context.get('expected'),
     }.get(kind)
-    return f'{key}: got {_shown(error["input"])}; allowed: {allowed or _lowered(error["msg"])}'
+    return f'{key}: got {_shown(error["input"])}; allowed: {allowed or _lower_first(error["msg"])}'
 
 
-def _key(loc: tuple) -> str:
+def _key(loc: tuple[int | str, ...]) -> str:
     text = ''
     for part in loc:
         if isinstance(part, int):
@@ -152,12 +158,12 @@ def _key(loc: tuple) -> str:
     return text
 
 
-def _shown(value) -> str:
+def _shown(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + '...'
 
 
-def _lowered(message: str) -> str:
+def _lower_first(message: str) -> str:
     for prefix in ('Input should be ', 'Input should have ', 'Value error, '):
         message = message.removeprefix(prefix)
     return message[:1].lower() + message[1:]

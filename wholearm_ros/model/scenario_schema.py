@@ -1,4 +1,4 @@
-"""The keys of a scenario file and what each may hold (pydantic models, used by scenario_file.py only)."""
+"""The keys of a scenario file and what each may hold, as pydantic models."""
 
 from typing import Annotated, Any, Literal
 
@@ -24,11 +24,15 @@ class _Table(BaseModel):
 
 
 class ObjectTable(_Table):
+    """The key `object`."""
+
     vertices: Annotated[list[Point], Field(min_length=3, max_length=MAX_VERTICES)]
     mass: Mass
 
 
 class FingerTable(_Table):
+    """One finger of the key `hand`."""
+
     axis: Point
     length: Length
     half_width: Length
@@ -39,37 +43,51 @@ class FingerTable(_Table):
 
 
 class HandTable(_Table):
+    """The key `hand`."""
+
     left: FingerTable
     right: FingerTable
 
 
 class PalmTable(_Table):
+    """The key `palm`."""
+
     vertices: Annotated[list[Point], Field(min_length=2, max_length=MAX_VERTICES)]
 
 
 class GravityTable(_Table):
+    """The key `gravity`."""
+
     acceleration: Annotated[float, Strict(), Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
     tilt_deg: Annotated[float, Strict(), Field(ge=0.0, lt=90.0, allow_inf_nan=False)]
 
 
 class StartOnEdgeTable(_Table):
+    """The key `start`, on an edge."""
+
     edge: Edge
     x: Coordinate
 
 
 class StartAtPoseTable(_Table):
+    """The key `start`, at a pose."""
+
     pose: Pose
     fingers: Pair
 
 
 class GoalOnEdgeTable(_Table):
+    """The key `goal`, on an edge."""
+
     edge: Edge
-    direction: Literal['ccw', 'cw']
+    direction: Literal['ccw', 'cw']  # CCW, CW of scenario.py
     x: Coordinate | None = None
     x_tolerance: Positive | None = None
 
 
 class GoalAtPoseTable(_Table):
+    """The key `goal`, at a pose."""
+
     pose: Pose
     tolerance: Annotated[list[Positive], Field(min_length=3, max_length=3)] = [0.01, 0.01, 0.03]
 
@@ -82,6 +100,8 @@ def _kind(value: Any) -> str:
 
 
 class ScenarioTable(_Table):
+    """A scenario file as a whole."""
+
     name: Annotated[str, Strict(), Field(max_length=200)] = ''
     note: Any = None
     object: ObjectTable

@@ -1,7 +1,8 @@
-"""Reading a small YAML or JSON file strictly: size bounded, no aliases, no key twice, 1e-3 is a number."""
+"""Strict reading of small YAML or JSON files: bounded size, no aliases, no key twice."""
 
 import re
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -10,17 +11,17 @@ from wholearm_ros.errors import ScenarioError
 MAX_BYTES = 256 * 1024  # a scenario is a few kB; more is a mistake
 
 
-class _StrictLoader(yaml.SafeLoader):
+class _StrictLoader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
     """SafeLoader that refuses aliases (they can blow up) and keys given twice."""
 
-    def compose_node(self, parent, index):
+    def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.AliasEvent):
             raise yaml.constructor.ConstructorError(
                 None, None, 'an alias (*) is not allowed here', self.peek_event().start_mark
             )
         return super().compose_node(parent, index)
 
-    def construct_mapping(self, node, deep=False):
+    def construct_mapping(self, node: Any, deep: bool = False) -> Any:
         seen = set()
         for key_node, _ in node.value:
             key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
@@ -40,13 +41,13 @@ _StrictLoader.add_implicit_resolver(
 )
 
 
-def read_mapping(path: str | Path) -> dict:
+def read_mapping(path: str | Path) -> dict[str, Any]:
     """The table in the file at `path`; raises ScenarioError."""
     return parse_mapping(read_text(path), str(path))
 
 
 def read_text(path: str | Path, max_bytes: int = MAX_BYTES) -> str:
-    """The file's text; raises ScenarioError when it cannot be read, is larger than allowed or not UTF-8."""
+    """The text of a file; raises ScenarioError when it is unreadable, too large or not UTF-8."""
     path = Path(path)
     try:
         with path.open('rb') as stream:
@@ -65,7 +66,7 @@ def read_text(path: str | Path, max_bytes: int = MAX_BYTES) -> str:
         ) from error
 
 
-def parse_mapping(text: str, source: str) -> dict:
+def parse_mapping(text: str, source: str) -> dict[str, Any]:
     """The table in YAML or JSON `text`; raises ScenarioError."""
     try:
         data = yaml.load(text, Loader=_StrictLoader)
@@ -76,7 +77,8 @@ def parse_mapping(text: str, source: str) -> dict:
     if not isinstance(data, dict):
         got = 'nothing' if data is None else type(data).__name__
         raise ScenarioError(
-            f'{source}: got {got}; allowed: a table with the keys object, hand, palm, gravity, start, goal'
+            f'{source}: got {got}; '
+            'allowed: a table with the keys object, hand, palm, gravity, start, goal'
         )
     return data
 
