@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from problems import ASYMMETRIC, REGULAR
 
+from wholearm_ros.control.mode_switch import course_of
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.rollout.perturbed_samples import (
     build_perturbed_samples,
-    course_of,
     follow_course,
     start_at_rest,
 )

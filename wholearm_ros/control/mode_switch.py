@@ -1,7 +1,6 @@
 """The mode switch: leads both fingers along a manipulation trajectory, on its clock, and stops on a fault."""
 
 from dataclasses import dataclass, replace
-from typing import Optional, Tuple
 
 import numpy as np
 
@@ -12,34 +11,52 @@ from wholearm_ros.control.setpoints import (
     VelocitySetpoint,
     readonly_pair,
 )
-from wholearm_ros.model.interpolation import fade
+from wholearm_ros.kernels.switch_law import NO_FINGER, Course, Switch, switch_at, switch_period
+from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
 
 IDLE, DONE, STOPPED = 'idle', 'done', 'stopped'
 HOLD_MARGIN = 0.2  # [N m] inside of the torque range when the fingers hold the object after a stop
 
 
+def course_of(trajectory: ManipulationTrajectory) -> Course:
+    """A trajectory as the arrays of the switch law."""
+    return Course(
+        trajectory.period,
+        trajectory.angles,
+        trajectory.velocities,
+        trajectory.efforts,
+        readonly([s.end for s in trajectory.segments]),
+        readonly([s.velocity_finger for s in trajectory.segments], dtype=np.int64),
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class SwitchState:
     """mode: idle, one of the trajectory's modes, done or stopped; reason: why stopped.
 
-    began [s]: when the run began, None before; elapsed [s]: along the trajectory, negative while ramping in;
-    progress: its share, 0 to 1; velocity_finger: LEFT, RIGHT or None; handed_over [s]: when that finger took over;
-    offset [rad]: how far it was from the plan then; first_angles, first_efforts: (2,) found when the run began;
-    held_angle [rad]: of the velocity finger when stopped; held_efforts: (2,) [N m] of both from then on.
+    switch: the switch law's state, None before the run began; progress: share of the trajectory, 0 to 1;
+    first_efforts: (2,) [N m] found when the run began; held_angle [rad]: of the velocity finger when stopped;
+    held_efforts: (2,) [N m] of both from then on.
     """
 
     mode: str = IDLE
     reason: str = ''
-    began: Optional[float] = None
-    elapsed: float = 0.0
+    switch: Switch | None = None
     progress: float = 0.0
-    velocity_finger: Optional[int] = None
-    handed_over: float = 0.0
-    offset: float = 0.0
-    first_efforts: Optional[np.ndarray] = None
+    first_efforts: np.ndarray | None = None
     held_angle: float = 0.0
-    held_efforts: tuple = (0.0, 0.0)
+    held_efforts: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def began(self) -> float | None:
+        """[s] when the run began, None before."""
+        return None if self.switch is None else self.switch.began
+
+    @property
+    def elapsed(self) -> float:
+        """[s] along the trajectory, negative while ramping in."""
+        return 0.0 if self.switch is None else self.switch.elapsed
 
 
 class ModeSwitch:
@@ -50,6 +67,7 @@ class ModeSwitch:
     ):
         self.trajectory = trajectory
         self.options = options
+        self._law, self._course = options.switch_law(), course_of(trajectory)
 
     def initial(self) -> SwitchState:
         """Idle: the run begins with the first step whose joint states are sound."""
@@ -77,12 +95,11 @@ class ModeSwitch:
             state,
             mode=STOPPED,
             reason=reason,
-            velocity_finger=finger,
             held_angle=held,
             held_efforts=efforts,
         )
 
-    def _holding(self, state: SwitchState, finger: int) -> tuple:
+    def _holding(self, state: SwitchState, finger: int) -> tuple[float, float]:
         """(left, right) [N m] that hold the object at this point of the plan; zero where it is not in equilibrium."""
         if state.mode not in (QUASI_STATIC, DWELL):
             return 0.0, 0.0
@@ -96,21 +113,13 @@ class ModeSwitch:
 
     def step(
         self, state: SwitchState, now: float, joints: Joints
-    ) -> Tuple[SwitchState, VelocitySetpoint, TorqueSetpoint]:
+    ) -> tuple[SwitchState, VelocitySetpoint, TorqueSetpoint]:
         """The next state and both setpoints at time `now` [s]."""
+        state = self.watch(state, now, joints)
         if state.mode != STOPPED:
-            state = self._advance(state, now, joints)
-        if state.mode != STOPPED:
-            motion, torque = self._setpoints(state, now)
-            error = float(joints.angles[motion.joint]) - motion.angle
-            if abs(error) <= self.options.max_tracking_error:
+            state, motion, torque = self._advance(state, now, joints)
+            if state.mode != STOPPED:
                 return state, motion, torque
-            state = self.stop(
-                state,
-                joints,
-                f'tracking error of the velocity-controlled finger is {error:+.3f} rad; '
-                f'allowed: {self.options.max_tracking_error} rad',
-            )
         finger = self._finger(state)
         return (
             state,
@@ -118,62 +127,47 @@ class ModeSwitch:
             TorqueSetpoint(1 - finger, state.held_efforts[1 - finger]),
         )
 
+    def _advance(
+        self, state: SwitchState, now: float, joints: Joints
+    ) -> tuple[SwitchState, VelocitySetpoint, TorqueSetpoint]:
+        """One period of the switch law, on joints that can be read."""
+        switch, efforts = state.switch, state.first_efforts
+        if switch is None or efforts is None:
+            switch, efforts = switch_at(now, NO_FINGER), readonly_pair(joints.efforts)
+        switch, motion, torque = switch_period(
+            self._law, self._course, efforts, switch, now, joints.angles
+        )
+        duration = self.trajectory.duration
+        over = switch.elapsed >= duration
+        state = replace(
+            state,
+            mode=DONE if over else self.trajectory.segments[switch.segment].mode,
+            switch=switch,
+            progress=min(max(switch.elapsed / duration, 0.0), 1.0),
+            first_efforts=efforts,
+        )
+        if switch.error != 0.0:
+            state = self.stop(
+                state,
+                joints,
+                f'tracking error of the velocity-controlled finger is {switch.error:+.3f} rad; '
+                f'allowed: {self.options.max_tracking_error} rad',
+            )
+        return state, motion, torque
+
     def _finger(self, state: SwitchState) -> int:
-        first = self.trajectory.segments[0].velocity_finger
-        return first if state.velocity_finger is None else state.velocity_finger
+        """The velocity-controlled finger, the first one before the run began."""
+        if state.switch is None:
+            return self.trajectory.segments[0].velocity_finger
+        return int(state.switch.finger)
 
     def watch(self, state: SwitchState, now: float, joints: Joints) -> SwitchState:
-        """The same state, or stopped when the joints cannot be read: for whoever leads the fingers after the end."""
-        fault = self._unreadable(now, joints)
+        """The same state, or stopped when the joints cannot be read."""
+        fault = '' if state.mode == STOPPED else self._unreadable(now, joints)
         return self.stop(state, joints, fault) if fault else state
-
-    def _advance(self, state: SwitchState, now: float, joints: Joints) -> SwitchState:
-        fault = self._unreadable(now, joints)
-        if fault:
-            return self.stop(state, joints, fault)
-        if state.began is None:
-            state = replace(state, began=now, first_efforts=readonly_pair(joints.efforts))
-        elapsed = now - state.began - self.options.ramp
-        segment = self.trajectory.segment_at(elapsed)
-        if segment.velocity_finger != state.velocity_finger:
-            state = self._hand_over(state, now, elapsed, segment.velocity_finger, joints)
-        duration = self.trajectory.duration
-        return replace(
-            state,
-            elapsed=elapsed,
-            progress=min(max(elapsed / duration, 0.0), 1.0),
-            mode=DONE if elapsed >= duration else segment.mode,
-        )
 
     def _unreadable(self, now: float, joints: Joints) -> str:
         age = now - joints.stamp
         if age > self.options.stale_after:
             return f'joint states are {age:.3f} s old; allowed: {self.options.stale_after} s'
         return '' if joints.finite else 'joint states hold a number that is not finite'
-
-    def _hand_over(
-        self, state: SwitchState, now: float, elapsed: float, finger: int, joints: Joints
-    ) -> SwitchState:
-        planned = self.trajectory.sample(elapsed).angles[finger]
-        return replace(
-            state,
-            velocity_finger=finger,
-            handed_over=now,
-            offset=float(joints.angles[finger] - planned),
-        )
-
-    def _setpoints(self, state: SwitchState, now: float) -> Tuple[VelocitySetpoint, TorqueSetpoint]:
-        """The plan's sample, ramped in from the efforts found at the start, the offset at a handover faded out."""
-        sample = self.trajectory.sample(state.elapsed)
-        v = state.velocity_finger
-        span = self.options.ramp if state.handed_over == state.began else self.options.handover
-        fading, fading_rate = fade(now - state.handed_over, span)
-        ramp = 1.0 - fade(now - state.began, self.options.ramp)[0]
-        efforts = state.first_efforts + ramp * (sample.efforts - state.first_efforts)
-        motion = VelocitySetpoint(
-            v,
-            float(sample.angles[v] + state.offset * fading),
-            float(sample.velocities[v] + state.offset * fading_rate),
-            float(efforts[v]),
-        )
-        return motion, TorqueSetpoint(1 - v, float(efforts[1 - v]))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from wholearm_ros.kernels.control_law import ControlLaw, PdGains, TorqueSetpoint, VelocitySetpoint
+from wholearm_ros.kernels.switch_law import SwitchLaw
 from wholearm_ros.model.arrays import readonly
 
 __all__ = [
@@ -58,15 +59,12 @@ class ControlOptions:
     stale_after: float = 0.1
 
     def law(self, period: float) -> ControlLaw:
-        """What of it a compiled rollout obeys; period [s]: of control."""
-        return ControlLaw(
-            self.gains,
-            self.slew_limit,
-            self.ramp,
-            self.handover,
-            self.max_tracking_error,
-            period,
-        )
+        """What the controllers obey; period [s]: of control."""
+        return ControlLaw(self.gains, self.slew_limit, period)
+
+    def switch_law(self) -> SwitchLaw:
+        """What the mode switch obeys."""
+        return SwitchLaw(self.ramp, self.handover, self.max_tracking_error)
 
 
 def readonly_pair(values) -> np.ndarray:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from types import FunctionType
 
 PACKAGE = Path(__file__).parents[1]
 SOURCES = (
@@ -21,9 +22,26 @@ def kernel(function):
     return _compiled(function)
 
 
+@cache
 def inlined(function):
-    """A kernel that becomes part of those that call it: a small one, or one that takes a whole world in an inner loop."""
+    """A kernel that becomes part of those that call it: a small one, or one that takes a whole world in an inner loop.
+
+    The plain functions that it calls are compiled with it.
+    """
+    plain = {
+        name: inlined(called)
+        for name in function.__code__.co_names
+        if isinstance(called := function.__globals__.get(name), FunctionType)
+    }
+    if plain:
+        function = _with_globals(function, {**function.__globals__, **plain})
     return _compiled(function, forceinline=True)
+
+
+def _with_globals(function, names):
+    twin = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+    twin.__qualname__, twin.__module__ = function.__qualname__, function.__module__
+    return twin
 
 
 def _compiled(function, **options):

@@ -35,14 +35,11 @@ class TorqueSetpoint(NamedTuple):
 
 
 class ControlLaw(NamedTuple):
-    """gains of the velocity-controlled finger; slew_limit [N m/s] of the torque-controlled one; ramp, handover [s];
-    max_tracking_error [rad], beyond which the run stops; period [s] of control and of the physics."""
+    """gains of the velocity-controlled finger; slew_limit [N m/s] of the torque-controlled one; period [s] of control and of
+    the physics."""
 
     gains: PdGains
     slew_limit: float
-    ramp: float
-    handover: float
-    max_tracking_error: float
     period: float
 
 

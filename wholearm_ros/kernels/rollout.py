@@ -8,28 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wholearm_ros.kernels import control_law, inlined, kernel
+from wholearm_ros.kernels import control_law, inlined, kernel, switch_law
 from wholearm_ros.kernels.control_law import HOLD_GAINS, PdGains, VelocitySetpoint
 from wholearm_ros.kernels.geometry import left_the_hand
-from wholearm_ros.kernels.interpolation import fade, hermite, quintic
+from wholearm_ros.kernels.interpolation import quintic
 from wholearm_ros.kernels.time_stepping import new_workspace, step, stops_bearing
 from wholearm_ros.kernels.world import joint
 
 pd_effort = inlined(control_law.pd_effort)
 slewed_effort = inlined(control_law.slewed_effort)
 holding_effort = inlined(control_law.holding_effort)
-
-
-class Course(NamedTuple):
-    """A trajectory as arrays. angles, velocities, efforts: (m, 2) every `period` [s]; ends: (s,) of its segments [s];
-    fingers: (s,) the velocity-controlled one in each."""
-
-    period: float
-    angles: np.ndarray
-    velocities: np.ndarray
-    efforts: np.ndarray
-    ends: np.ndarray
-    fingers: np.ndarray
+switch_at = inlined(switch_law.switch_at)
+switch_period = inlined(switch_law.switch_period)
 
 
 class Plant(NamedTuple):
@@ -68,43 +58,34 @@ class Record(NamedTuple):
 
 
 @kernel
-def run_trajectory(world, plant, law, course, start, settle, record):
-    """The closed loop along the whole course, and `settle` [s] of holding its end. A run that stops on its tracking error
-    ends there.
+def run_trajectory(world, plant, law, switching, course, start, settle, record):
+    """The closed loop along the whole course, and `settle` [s] of holding its end. A run that the mode switch stops ends
+    there. law, switching: `ControlLaw` and `SwitchLaw`.
 
-    Returns (records, largest LCP residual, tracking error [rad] on which it stopped, 0 when it did not).
+    Returns (records, largest LCP residual, the `Switch` at the end).
     """
     work, q, v = new_workspace(world), start.q.copy(), start.v.copy()
     commands, applied = start.efforts.copy(), np.empty(2)
+    angles, velocities = np.empty(2), np.empty(2)
     pipe = np.zeros((plant.delay + 1, 2))
-    h, ramp, last = law.period, law.ramp, course.angles.shape[0] - 1
+    h, ramp, last = law.period, switching.ramp, course.angles.shape[0] - 1
     began = 0.0 if start.at_rest else -ramp
     lead = int(round(ramp / h)) if start.at_rest else 0
     total = int(np.ceil((began + ramp + course.period * last + settle) / h - 1e-9))
-    finger, segment, handed_over, offset = start.velocity_finger, 0, -np.inf, 0.0
-    worst, count, stopped, t = 0.0, 0, 0.0, 0.0
+    switch = switch_at(began, start.velocity_finger)
+    worst, count, t = 0.0, 0, 0.0
     for n in range(total):
         if n >= lead and (n - lead) % record.every == 0 and count < record.q.shape[0]:
             record.q[count], record.v[count] = q, v
             count += 1
-        elapsed = t - began - ramp
-        while segment < course.ends.shape[0] - 1 and elapsed >= course.ends[segment]:
-            segment += 1
-        if course.fingers[segment] != finger:
-            finger, handed_over = course.fingers[segment], t
-            offset = _reading(plant, n, 0, finger, q) - _course_angle(course, elapsed, finger)
-        motion = _motion(law, course, start, t, began, finger, handed_over, offset)
-        angle, velocity = _reading(plant, n, 0, finger, q), _reading(plant, n, 1, finger, v)
-        if abs(angle - motion.angle) > law.max_tracking_error:
-            stopped = angle - motion.angle
+        _read(plant, n, q, v, angles, velocities)
+        switch, motion, torque = switch_period(switching, course, start.efforts, switch, t, angles)
+        if switch.error != 0.0:
             break
-        other = 1 - finger
-        wanted = _effort(law, course, start, t, began, other)
-        commands[finger] = pd_effort(
-            law.gains, world.torque_limits[finger], motion, angle, velocity
-        )
-        commands[other] = slewed_effort(
-            world.torque_limits[other], law.slew_limit * h, wanted, commands[other]
+        a, b = motion.joint, torque.joint
+        commands[a] = pd_effort(law.gains, world.torque_limits[a], motion, angles[a], velocities[a])
+        commands[b] = slewed_effort(
+            world.torque_limits[b], law.slew_limit * h, torque.effort, commands[b]
         )
         if n < record.commands.shape[0]:
             record.commands[n] = commands
@@ -117,66 +98,17 @@ def run_trajectory(world, plant, law, course, start, settle, record):
         record.q[count], record.v[count] = q, v
         count += 1
     record.last_q[:], record.last_v[:] = q, v
-    return count, worst, stopped
+    return count, worst, switch
 
 
 @inlined
-def _reading(plant, n, kind, finger, state):
-    """The encoder's reading number n of an angle (kind 0) or velocity (kind 1)."""
-    value = state[joint(finger)]
-    if n < plant.noise.shape[0]:
-        value += plant.noise[n, kind, finger]
-    return value
-
-
-@inlined
-def _place(course, elapsed):
-    """(sample, share of the period after it) at a time, held at both ends."""
-    last = course.angles.shape[0] - 1
-    s = min(max(elapsed / course.period, 0.0), float(last))
-    i = min(int(s), last - 1)
-    return i, s - i
-
-
-@inlined
-def _course_angle(course, elapsed, finger):
-    i, u = _place(course, elapsed)
-    angles, velocities = course.angles, course.velocities
-    return hermite(
-        angles[i, finger],
-        angles[i + 1, finger],
-        velocities[i, finger],
-        velocities[i + 1, finger],
-        course.period,
-        u,
-    )
-
-
-@inlined
-def _motion(law, course, start, t, began, finger, handed_over, offset):
-    """The velocity finger's setpoint: the course, the offset found at its handover faded out."""
-    elapsed = t - began - law.ramp
-    i, u = _place(course, elapsed)
-    fading, rate = fade(t - handed_over, law.ramp if handed_over == began else law.handover)
-    duration = course.period * (course.angles.shape[0] - 1)
-    speed = 0.0
-    if 0.0 <= elapsed <= duration:
-        speed = (1 - u) * course.velocities[i, finger] + u * course.velocities[i + 1, finger]
-    return VelocitySetpoint(
-        finger,
-        _course_angle(course, elapsed, finger) + offset * fading,
-        speed + offset * rate,
-        _effort(law, course, start, t, began, finger),
-    )
-
-
-@inlined
-def _effort(law, course, start, t, began, finger):
-    """The planned effort of a finger, ramped in from the one found at the start."""
-    i, u = _place(course, t - began - law.ramp)
-    planned = (1 - u) * course.efforts[i, finger] + u * course.efforts[i + 1, finger]
-    part = 1.0 - fade(t - began, law.ramp)[0]
-    return start.efforts[finger] + part * (planned - start.efforts[finger])
+def _read(plant, n, q, v, angles, velocities):
+    """The encoders' readings number n of both joints: angles, velocities (2,) are filled in."""
+    for side in range(2):
+        angles[side], velocities[side] = q[joint(side)], v[joint(side)]
+        if n < plant.noise.shape[0]:
+            angles[side] += plant.noise[n, 0, side]
+            velocities[side] += plant.noise[n, 1, side]
 
 
 @inlined

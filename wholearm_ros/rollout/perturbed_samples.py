@@ -6,14 +6,13 @@ from typing import Sequence, Union
 import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.kernels.rollout import Course, Plant, Record, Start, run_trajectory
+from wholearm_ros.kernels.rollout import Plant, Record, Start, run_trajectory
+from wholearm_ros.kernels.switch_law import Course
 from wholearm_ros.mechanics.world import World, build_world
-from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.configuration import JOINTS, SIZE
 from wholearm_ros.model.goal import GoalRegion, goal_region
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.initial_state import perturbed_start
 
 STEP = 0.001  # [s]
@@ -64,18 +63,6 @@ def _sample(scenario, perturbation):
     )
 
 
-def course_of(trajectory: ManipulationTrajectory) -> Course:
-    """A trajectory as the arrays of the compiled rollout."""
-    return Course(
-        trajectory.period,
-        trajectory.angles,
-        trajectory.velocities,
-        trajectory.efforts,
-        readonly([s.end for s in trajectory.segments]),
-        readonly([s.velocity_finger for s in trajectory.segments], dtype=np.int64),
-    )
-
-
 def start_at_rest(sample: PerturbedSample) -> Start:
     """At the sample's start, the drives holding the fingers and asked for their weight."""
     q = sample.start
@@ -107,12 +94,18 @@ def follow_course(
     lead = controls.ramp if start.at_rest else 0.0
     length = lead + course.period * (len(course.angles) - 1) + settle
     plant = _plant(sample.perturbation, int(np.ceil(length / STEP)) + 1)
-    law = controls.law(STEP)
     start = start._replace(
         **{name: np.array(getattr(start, name)) for name in ('q', 'v', 'efforts')}
     )
-    count, residual, stopped = run_trajectory(
-        sample.world, plant, law, course, start, settle, record
+    count, residual, switch = run_trajectory(
+        sample.world,
+        plant,
+        controls.law(STEP),
+        controls.switch_law(),
+        course,
+        start,
+        settle,
+        record,
     )
     times = RECORD_EVERY * np.arange(count)
     return Run(
@@ -122,7 +115,7 @@ def follow_course(
         record.last_v,
         residual,
         record.stops_met,
-        stopped,
+        switch.error,
         record.commands,
     )
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wholearm_ros.kernels.control_law import PdGains
-from wholearm_ros.kernels.rollout import Course, Primitive, PrimitiveCourse, run_primitive
+from wholearm_ros.kernels.rollout import Primitive, PrimitiveCourse, run_primitive
+from wholearm_ros.kernels.switch_law import Course
 from wholearm_ros.mechanics.world import World
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.configuration import SIZE

@@ -6,6 +6,7 @@ from typing import Iterator, Sequence
 
 import numpy as np
 
+from wholearm_ros.control.mode_switch import course_of
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.trajectory import ManipulationTrajectory
@@ -13,7 +14,6 @@ from wholearm_ros.rollout.parallel import parallel_map
 from wholearm_ros.rollout.perturbed_samples import (
     PerturbedSample,
     Run,
-    course_of,
     follow_course,
     start_at_rest,
 )
