@@ -71,7 +71,9 @@ def test_a_second_attempt_goes_on_with_the_same_hand():
     )
     assert made.attempts == 2 and made.outcome == ELSEWHERE
     assert again[0].start.edge == 0 and again[0].start.x == pytest.approx(-0.02, abs=1e-3)
-    first, second = made.records
+    first, second = (motion.record for motion in made.motions)
     assert second.times[0] > first.times[-1]
     assert second.poses[0] == pytest.approx(first.poses[-1], abs=1e-3)
-    assert UNKNOWN not in {c.outcome for c in made.claims}
+    assert UNKNOWN not in {motion.claim.outcome for motion in made.motions}
+    alone = made.first(1)
+    assert (alone.attempts, alone.outcome) == (1, ELSEWHERE) and alone.last is first

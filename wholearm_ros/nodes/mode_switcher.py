@@ -53,7 +53,7 @@ DECLARED = (
     ),
 )
 PROBE = Declared(
-    'probe', False, 'whether the end of a trajectory is felt, where it comes with a probe'
+    'probe', True, 'whether the end of a trajectory is felt, where it comes with a probe'
 )
 DECLARED = (*DECLARED, PROBE)
 WATCH_PERIOD = 0.01  # [s]

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from wholearm_ros.control.execution import Execution
+from wholearm_ros.control.execution import PROBING, Execution
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.estimation.claim import KEPT, UNKNOWN, UNVERIFIED, Claim, claim
 from wholearm_ros.estimation.feel import Feeler
@@ -13,6 +14,7 @@ from wholearm_ros.estimation.hold import hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.perturbation import Perturbation
+from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planner.supervision import END, FEEL, Supervision
@@ -27,32 +29,70 @@ PlanAgain = Callable[[Scenario], ManipulationTrajectory | None]
 
 
 @dataclass(frozen=True, eq=False)
-class Attempts:
-    """A run of one or more attempts.
+class Motion:
+    """What the hand did between two decisions.
 
-    records: of every trajectory and every probe alone, in order; trajectories: what each followed;
-    claims: what was said after each; attempts: how many of them were trajectories; claim, outcome,
-    reason: of the end.
+    trajectory: what it followed; record: of that and of the probe after it; claim: what was said
+    then; planned: whether the trajectory was one of a plan, not only the hold before a probe alone.
     """
 
-    records: tuple
-    trajectories: tuple
-    claims: tuple
-    attempts: int
+    trajectory: ManipulationTrajectory
+    record: RunRecord
     claim: Claim
+    planned: bool = True
+
+    @property
+    def before_probe(self) -> RunRecord:
+        """The record up to its probe; all of it when there was none."""
+        record = self.record
+        if PROBING not in record.modes:
+            return record
+        end = record.modes.index(PROBING)
+        rows = ('times', 'angles', 'velocities', 'efforts', 'poses', 'object_velocities', 'modes')
+        return replace(record, **{name: getattr(record, name)[:end] for name in rows})
+
+    @property
+    def probing_time(self) -> float:
+        """[s] that the probe took."""
+        return float(self.record.time_in_modes().get(PROBING, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Attempts:
+    """A run of one or more attempts: its motions in order; outcome, reason: of the end."""
+
+    motions: tuple[Motion, ...]
     outcome: str
     reason: str
 
     @property
+    def attempts(self) -> int:
+        """How many plans were executed."""
+        return sum(motion.planned for motion in self.motions)
+
+    @property
+    def claim(self) -> Claim:
+        """What was said last."""
+        return self.motions[-1].claim
+
+    @property
     def last(self) -> RunRecord:
         """The last record, on whose end the truth is judged, its rotations near the goal's."""
-        record = self.records[-1]
+        record = self.motions[-1].record
         turns = np.round((goal_rotation(record.truth) - record.poses[-1, 2]) / (2.0 * np.pi))
-        if len(self.records) == 1 or turns == 0.0:
+        if len(self.motions) == 1 or turns == 0.0:
             return record
         return replace(record, poses=record.poses + [0.0, 0.0, 2.0 * np.pi * turns])
 
-    def to_dict(self) -> dict:
+    def first(self, attempts: int) -> 'Attempts':
+        """The same run as it would have been with at most so many attempts."""
+        begun = np.cumsum([motion.planned for motion in self.motions])
+        kept = tuple(m for m, k in zip(self.motions, begun, strict=True) if k <= attempts)
+        if len(kept) == len(self.motions):
+            return self
+        return Attempts(kept, kept[-1].claim.outcome, kept[-1].claim.reason)
+
+    def to_dict(self) -> dict[str, Any]:
         """What a suite's draw tells of it."""
         edge, x = true_rest(self.last)
         return {
@@ -109,8 +149,7 @@ class _Session:
     ) -> None:
         self.hand, self.scenario, self.perturbation = hand, scenario, perturbation
         self.controls, self.feeler, self.probe = controls, feeler, probe
-        self.records: list[RunRecord] = []
-        self.trajectories: list[ManipulationTrajectory] = []
+        self.motions: list[Motion] = []
         self.tracked = False
 
     def run(
@@ -128,43 +167,34 @@ class _Session:
                 decision = supervision.no_plan('from where the object lies')
                 continue
             supervision, decision = supervision.executed(self.execute(again))
-        claims = supervision.claims
-        return Attempts(
-            tuple(self.records),
-            tuple(self.trajectories),
-            claims,
-            supervision.attempts,
-            claims[-1],
-            decision.outcome,
-            decision.reason,
-        )
+        return Attempts(tuple(self.motions), decision.outcome, decision.reason)
 
     def execute(self, trajectory: ManipulationTrajectory) -> Claim:
         """A trajectory, and what its probe says."""
-        record, held = self._lead(trajectory)
-        self.tracked = record.deviation < KEPT
-        return self._claim(record, held)
+        return self._lead(trajectory, planned=True)
 
     def feel(self) -> Claim:
         """A probe alone, from the other side than the last one."""
-        before = self.trajectories[-1]
+        before = self.motions[-1].trajectory
         held = 1 - before.segments[-1].velocity_finger
         angles, _ = self.hand.joints()
         weights = self.feeler.model.world.finger_moment
-        record, held_probe = self._lead(hold_trajectory(angles, weights, before.poses[-1], held))
-        return self._claim(record, held_probe)
+        hold = hold_trajectory(angles, weights, before.poses[-1], held)
+        return self._lead(hold, planned=False)
 
-    def _lead(self, trajectory: ManipulationTrajectory) -> tuple:
+    def _lead(self, trajectory: ManipulationTrajectory, planned: bool) -> Claim:
         probe = probe_after(self.feeler, trajectory) if self.probe else None
         seconds = self.controls.ramp + trajectory.duration + SETTLE
         execution = Execution(trajectory, self.controls, SETTLE, probe)
         steps = int(np.ceil(seconds / self.hand.period))
         record = lead(self.hand, execution, self.controls, steps, self.perturbation)
-        self.records.append(record)
-        self.trajectories.append(trajectory)
-        return record, probe
+        if planned:
+            self.tracked = record.deviation < KEPT
+        said = self._claim(record, probe)
+        self.motions.append(Motion(trajectory, record, said, planned))
+        return said
 
-    def _claim(self, record: RunRecord, probe) -> Claim:
+    def _claim(self, record: RunRecord, probe: Probe | None) -> Claim:
         if probe is None:
             return Claim(UNVERIFIED, 'no probe was made')
         if record.reason:
@@ -173,7 +203,7 @@ class _Session:
         return claim(self.feeler, self.scenario, felt, self.tracked)
 
 
-def true_rest(record: RunRecord) -> tuple:
+def true_rest(record: RunRecord) -> tuple[int | None, float]:
     """(edge, x [m]) on which the object truly lies at the end of a record; edge None for none."""
     polygon, pose = record.truth.object.polygon, record.poses[-1]
     angles = np.array([polygon.resting_angle(k) for k in range(len(polygon.vertices))])

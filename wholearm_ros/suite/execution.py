@@ -68,7 +68,7 @@ def execute(
         view=view,
     )
     judged = outcome(scenario, attempts.last)
-    return Execution(scenario, attempts.records[0], judged, perturbation, attempts)
+    return Execution(scenario, attempts.motions[0].record, judged, perturbation, attempts)
 
 
 def _of_jury(scenario: Scenario, verdict: Verdict, perturbation: Perturbation) -> Execution:
