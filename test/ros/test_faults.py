@@ -36,7 +36,7 @@ REALTIME = {
 def started(graph, pacing, **parameters):
     """The graph, ready and with a plan; (modes, diagnostics by node), which grow."""
     loop = REALTIME if pacing == 'realtime' else {'motor_rate': 250.0}
-    own = {'hand_hardware': loop, 'torque_controller': loop}
+    own = {'hand_hardware': loop, 'torque_controller': loop, 'mode_switcher': {'probe': False}}
     graph.start(
         ALL,
         pacing,

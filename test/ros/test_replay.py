@@ -107,6 +107,7 @@ def test_the_recorded_plan_and_goal_give_the_recorded_run(graph, name):
             'trajectory_generator',
         ),
         hand_hardware={'scenario': name, 'motor_rate': RATE},
+        mode_switcher={'probe': False},  # as it was recorded
         velocity_controller={'scenario': name},
         torque_controller={'scenario': name, 'motor_rate': RATE},
     )
