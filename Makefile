@@ -5,6 +5,8 @@ VENV := .venv
 PY := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 PIP := $(PY) -m pip install -qq --disable-pip-version-check
+# Of the tests; those that start nodes run one after another in any case.
+WORKERS ?= 2
 # The first of these that is there, works, and is of a version that the package supports.
 PYTHONS := $(PYTHON) python3.11 python3.10 python3.12 python3 /usr/bin/python3
 
@@ -16,7 +18,7 @@ run: $(STAMP)
 	$(PY) -m wholearm_ros run $(SCENARIO) --pacing lockstep --record $$out/bag --figures $$out/figures
 
 test: lint
-	@$(PY) -m pytest -m "not faults" $(ARGS)
+	@$(PY) -m pytest -m "not faults" -n $(WORKERS) --dist loadgroup $(ARGS)
 
 # Style, types and rooms; test/test_layout.py holds the rooms, too.
 lint: $(STAMP)

@@ -49,6 +49,7 @@ TEST = [
     *CLUSTER,
     'pytest>=8,<10',
     'pytest-timeout~=2.3',
+    'pytest-xdist>=3.6,<4',
     'pytest-benchmark>=4,<6',
     'hypothesis~=6.100',
     'import-linter~=2.1',

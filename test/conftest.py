@@ -17,6 +17,17 @@ settings.register_profile(
 settings.load_profile('same')
 
 _domains = itertools.count(os.getpid() * 7)
+GRAPH = 'graph'  # tests that start nodes run one after another
+
+
+@pytest.hookimpl(tryfirst=True)  # before xdist looks at the groups
+def pytest_collection_modifyitems(items):
+    """Of two processes (`-n 2 --dist loadgroup`) one starts nodes, and a file stays in one of them."""
+    for item in items:
+        group = (
+            GRAPH if item.get_closest_marker(GRAPH) or '/test/ros/' in str(item.path) else item.path
+        )
+        item.add_marker(pytest.mark.xdist_group(str(group)))
 
 
 @pytest.fixture(scope='session')

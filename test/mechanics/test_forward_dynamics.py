@@ -6,7 +6,7 @@ from problems import ASYMMETRIC, HEPTAGON, REGULAR
 
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.mechanics.world import build_world
-from wholearm_ros.simulation.hand import make_hand
+from wholearm_ros.simulation.factory import make_hand
 
 pytest.importorskip('pybullet')
 RATE = 1000.0

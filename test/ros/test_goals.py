@@ -21,8 +21,8 @@ pytestmark = pytest.mark.timeout(280)
 def test_goals_are_rejected_canceled_and_repeated(graph):
     graph.start(
         ALL,
-        hand_hardware={'motor_rate': 500.0},
-        torque_controller={'motor_rate': 500.0},
+        hand_hardware={'motor_rate': 250.0},
+        torque_controller={'motor_rate': 250.0},
         mode_switcher={'probe': False},  # nothing here asks where the object lies
     )
     status, modes = graph.listen(channels.GOAL_STATUS), graph.listen(channels.MODE)

@@ -108,6 +108,8 @@ def test_a_run_in_a_terminal_shows_its_torque(domain):
         'planar',
         '--pacing',
         'lockstep',
+        '--rate',
+        '250',
     ]
     with subprocess.Popen(
         command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment, close_fds=True

@@ -18,7 +18,7 @@ ROUNDING = 1e-6  # [rad] before the first impact
 FIRST = 0.8  # [s] of a run, without impacts
 AT_THE_END = 1e-3  # [m], [rad] of the object at rest
 RATE = 250.0  # [Hz] of the reference bags
-REPLAYED = 1200  # stamps
+REPLAYED = slice(0, 1200, 3)  # stamps; an answer depends on those of its own stamp only
 ROUTE = ('contact_state_planner/contact_plan', 'trajectory_generator/goal')
 
 
@@ -66,7 +66,7 @@ def test_controllers_answer_recorded_messages_as_recorded(graph, name):
     graph.wait(
         lambda: graph.node.count_publishers(channels.JOINT_COMMANDS.name) == 2, 'both controllers'
     )
-    stamps = sorted(setpoints[0])[:REPLAYED]
+    stamps = sorted(setpoints[0])[REPLAYED]
     for stamp in stamps:
         joints = {setpoints[0][stamp].name[0], setpoints[1][stamp].name[0]}
 

@@ -180,9 +180,7 @@ def test_contacts_in_pybullet_carry_the_normals_of_where_they_are(monkeypatch):
                 'right': [-np.sin(right), np.cos(right)],
             }
             turned = inward @ np.array([[c, s], [-s, c]])
-            for point in pybullet_hand.pybullet.getContactPoints(
-                bodyA=self._object, physicsClientId=self._client
-            ):
+            for point in self._bullet.getContactPoints(bodyA=self._object):
                 other, normal, force = (
                     point[2],
                     np.array(point[7])[[0, 2]],
@@ -192,7 +190,7 @@ def test_contacts_in_pybullet_carry_the_normals_of_where_they_are(monkeypatch):
                     feature = features[SIDES[point[4]] if other == self._fingers else 'palm']
                     away.append(np.linalg.norm(np.vstack([turned, feature]) - normal, axis=1).min())
 
-    offered = plan_and_verify(LEANING, PlanRequest(candidates=40))
+    offered = plan_and_verify(LEANING, PlanRequest(candidates=40, certificate_samples=0))
     monkeypatch.setattr(pybullet_hand, 'PyBulletHand', Watched)
     assert outcome(LEANING, run(LEANING, offered.trajectory, 'pybullet')).executed
     assert len(away) > 5000 and np.quantile(away, 0.99) < 0.004 and max(away) < 0.02

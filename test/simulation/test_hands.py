@@ -14,7 +14,7 @@ from wholearm_ros.model.hand import Palm
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import ManipulatedObject, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.simulation.hand import make_hand
+from wholearm_ros.simulation.factory import make_hand
 
 CONFIG = Path(__file__).parents[2] / 'config'
 SCENARIO = load_scenario(CONFIG / 'asymmetric_hexagon.yaml')

@@ -33,6 +33,7 @@ KEYS = {
     'final_pose',
 }
 TIMES = {'plan_ms', 'generate_ms', 'verify_ms'}
+OPTIONS = SuiteOptions(perturb=1.0, draws=2, candidates=4, moves=0)
 
 
 def tasks():
@@ -48,7 +49,7 @@ def tasks():
 @pytest.fixture(scope='module')
 def results():
     heard = []
-    found = run_suite(tasks(), SuiteOptions(perturb=1.0, draws=2), on_result=heard.append)
+    found = run_suite(tasks(), OPTIONS, on_result=heard.append)
     assert heard == found
     return found
 
@@ -92,7 +93,7 @@ def without_times(results):
 
 
 def test_processes_change_nothing_but_the_times(results):
-    again = run_suite(tasks(), SuiteOptions(perturb=1.0, draws=2), jobs=2)
+    again = run_suite(tasks(), OPTIONS, jobs=2)
     assert without_times(again) == without_times(results)
 
 

@@ -3,9 +3,10 @@
 import sqlite3
 import time
 from collections import deque
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, Callable, Optional
+from typing import Any, Optional
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import WriterError
@@ -19,8 +20,9 @@ WAITING = 200_000  # messages that may wait to be written: half a minute of a wh
 class BackgroundWriter:
     """A bag that is whole on disk after each `checkpoint`, written by one thread of its own.
 
-    recorded, lost: messages written, and dropped because `WAITING` others were waiting; most_waiting: at a checkpoint;
-    slowest [s]: the longest checkpoint; problem: why the bag has ended, or nothing.
+    recorded, lost: messages written, and dropped because `WAITING` others were waiting;
+    most_waiting: at a checkpoint; slowest [s]: the longest checkpoint; problem: why the bag has
+    ended, or nothing.
     """
 
     def __init__(self, path: Path, storage: str) -> None:
@@ -52,7 +54,9 @@ class BackgroundWriter:
             self.lost += 1
 
     def checkpoint(self) -> None:
-        """What was put before this goes to disk soon; unless the checkpoint before is still under way."""
+        """What was put before this goes to disk soon; unless the checkpoint before is still under
+        way.
+        """
         if self._under_way is None or self._under_way.done():
             self._under_way = self._thread.submit(self._to_disk, self._bag.checkpoint)
 

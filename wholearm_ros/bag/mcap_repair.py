@@ -1,27 +1,32 @@
-"""MCAP files that were cut off in the middle: the records that are whole, with an end put behind them.
+"""Repair of MCAP files that were cut off: the whole records, with an end put behind them.
 
-A killed recorder leaves a complete file (ros/bag_writer.py); a full disk of somebody else's, or half a copy, does not.
+A killed recorder leaves a complete file (writer.py); a full disk of somebody else's, or
+half a copy, does not.
 """
 
 import shutil
 import struct
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 MAGIC = b'\x89MCAP0\r\n'
 HEAD = struct.Struct('<BQ')  # of a record: its kind, and the length of what follows
 FOOTER = HEAD.pack(0x02, 20) + bytes(20) + MAGIC  # without a summary: readers scan the file
 
 
-def cut_files(bag: Path) -> list:
+def cut_files(bag: Path) -> list[Path]:
     """The MCAP files of a bag that have a beginning and no end."""
     return [path for path in sorted(bag.glob('*.mcap')) if _is_cut(path)]
 
 
 @contextmanager
-def opened_whole(bag: Path):
-    """The path of the bag, or of a copy for as long as the context lasts, in which cut files end with their last whole record."""
+def opened_whole(bag: Path) -> Iterator[Path]:
+    """The path of the bag, or of a copy for as long as the context lasts, in which cut files end
+    with their last whole record.
+    """
     cut = cut_files(bag)
     if not cut:
         yield bag
@@ -37,7 +42,7 @@ def opened_whole(bag: Path):
         yield copied
 
 
-def _is_cut(path):
+def _is_cut(path: Path) -> bool:
     with open(path, 'rb') as file:
         begins = file.read(len(MAGIC)) == MAGIC
         file.seek(0, 2)
@@ -45,7 +50,8 @@ def _is_cut(path):
         return begins and file.read() != MAGIC
 
 
-def _end_of_whole_records(file):
+def _end_of_whole_records(file: BinaryIO) -> int:
+    """Position of the end of the last whole record [bytes]."""
     size = file.seek(0, 2)
     end = file.seek(len(MAGIC))
     while end + HEAD.size <= size:

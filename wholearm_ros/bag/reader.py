@@ -1,8 +1,9 @@
-"""Reading a bag of a run: messages by topic, whatever its namespace; one that was cut off is read up to the cut."""
+"""A reader of bags: messages by topic in any namespace, up to the cut of a bag that was cut off."""
 
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any, Iterator, Optional, Sequence
+from typing import Any, Optional
 
 import numpy as np
 from rosbags.highlevel import AnyReader, AnyReaderError
@@ -18,7 +19,10 @@ Timed = list[tuple[int, Any]]  # (log time [ns], message)
 
 
 class Bag:
-    """A context around an open bag; raises BagError when it cannot be read. cut: names of files whose end is missing."""
+    """A context around an open bag; raises BagError when it cannot be read.
+
+    cut: names of files whose end is missing.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path, self.store = Path(path), jazzy_typestore()
@@ -56,7 +60,10 @@ class Bag:
     def raw(
         self, connections: Optional[Sequence[Connection]] = None
     ) -> Iterator[tuple[Connection, int, bytes]]:
-        """(connection, time [ns], serialized message) in the order of time; of all connections unless some are given."""
+        """(connection, time [ns], serialized message) in the order of time.
+
+        Of all connections unless some are given.
+        """
         chosen = self.connections if connections is None else connections
         if not chosen:  # rosbags takes none for all
             return
@@ -87,7 +94,7 @@ class Bag:
         return [m.data for m in self.messages(topic)]
 
     def joint_table(self, topic: str) -> tuple[np.ndarray, np.ndarray]:
-        """(m,) stamps [s] and (m, 3, 2) position, velocity, effort of joint_states, equal stamps once."""
+        """(m,) stamps [s] and (m, 3, 2) position, velocity, effort; equal stamps once."""
         rows = {stamp_of(m): (m.position, m.velocity, m.effort) for m in self.messages(topic)}
         stamps = sorted(rows)
         return np.array(stamps) / NANOSECONDS, np.array([rows[s] for s in stamps]).reshape(-1, 3, 2)

@@ -4,8 +4,9 @@ import copy
 import os
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
@@ -13,9 +14,9 @@ STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
 
 
 class _Pending(BytesIO):
-    """What was written since the last checkpoint; tells positions in the file, of which `before` bytes are on disk."""
+    """What was written since the last checkpoint; `tell` counts the `before` bytes on disk, too."""
 
-    def __init__(self, before: int):
+    def __init__(self, before: int) -> None:
         super().__init__()
         self.before = before
 
@@ -24,19 +25,22 @@ class _Pending(BytesIO):
 
 
 class _McapStorage(McapWriter):
-    """Keeps what is new in memory; a checkpoint writes it and an index behind it with one system call.
+    """Keeps new data in memory; a checkpoint writes it and its index with one system call.
 
-    The next checkpoint overwrites that index. A process killed between two checkpoints leaves a complete file.
+    The next checkpoint overwrites that index. A process killed between two checkpoints leaves a
+    complete file.
     """
 
-    def __init__(self, path, compression):
+    bio: Any  # rosbags writes through it
+
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
         super().__init__(path, compression)
         self.bio.flush()
         self._file, self.bio = self.bio, _Pending(self.bio.tell())
         self._index = b''  # behind the data on disk
 
-    def close(self, version: int, metadata: str):
-        """Of the copy that Writer.close closes: the tail goes behind the data and the file stays open."""
+    def close(self, version: int, metadata: str) -> None:
+        """Of the copy that Writer.close closes: a tail behind the data; the file stays open."""
         if self.chunk.bio.tell():
             self.close_chunk()
         data, start = self.bio.getvalue(), self.bio.before
@@ -50,20 +54,20 @@ class _McapStorage(McapWriter):
             raise
         self.bio, self._index = _Pending(start + len(data)), tail.bio.kept
 
-    def _put(self, data: bytes, start: int):
+    def _put(self, data: bytes, start: int) -> None:
         """The file ends with `data` after this."""
         descriptor = self._file.fileno()
         _write_at(descriptor, data, start)
         os.ftruncate(descriptor, start + len(data))
 
-    def end(self):
+    def end(self) -> None:
         self._file.close()
 
 
 class _Kept(_Pending):
     """Keeps its bytes when it is closed."""
 
-    def close(self):
+    def close(self) -> None:
         self.kept = self.getvalue()
         super().close()
 
@@ -71,37 +75,41 @@ class _Kept(_Pending):
 class _SqliteStorage(Sqlite3Writer):
     """A checkpoint commits; the metadata row is the newest one only."""
 
-    def close(self, version: int, metadata: str):
+    def close(self, version: int, metadata: str) -> None:
         self.cursor.execute('DELETE FROM metadata')
         self.cursor.execute(
             'INSERT INTO metadata(metadata_version, metadata) VALUES(?, ?)', (version, metadata)
         )
         self.conn.commit()
 
-    def end(self):
+    def end(self) -> None:
         self.conn.close()
 
 
 class BagWriter(Writer):
-    """A rosbag2 writer (version 9) whose bag can be read at every moment up to its last checkpoint."""
+    """A rosbag2 writer (version 9) whose bag can be read at all times up to the last checkpoint.
+
+    Raises OSError, sqlite3.Error or rosbags' WriterError when the disk does not take it.
+    """
 
     STORAGE_PLUGINS = {StoragePlugin.MCAP: _McapStorage, StoragePlugin.SQLITE3: _SqliteStorage}
 
-    def __init__(self, path: Path, storage: str = 'mcap'):
+    def __init__(self, path: Path, storage: str = 'mcap') -> None:
         super().__init__(path, version=9, storage_plugin=STORAGES[storage])
 
-    def checkpoint(self):
+    def checkpoint(self) -> None:
         """Everything written so far, its index and metadata.yaml are on disk after this."""
         snapshot = copy.copy(self)
         Writer.close(snapshot)
 
-    def close(self):
-        storage = self.storage
+    def close(self) -> None:
+        """The bag is whole on disk, and its files are closed."""
+        storage: Any = self.storage
         Writer.close(self)
         storage.end()
 
 
-def _write_at(descriptor: int, data: bytes, position: int):
+def _write_at(descriptor: int, data: bytes, position: int) -> None:
     view = memoryview(data)
     while view:
         written = os.pwrite(descriptor, view, position)

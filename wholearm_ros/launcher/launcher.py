@@ -1,10 +1,13 @@
-"""One run of the whole graph: separate processes, plan, goal, the object's final pose against its goal."""
+"""One run of the whole graph: separate processes, plan, goal, the object's final pose against its
+goal.
+"""
 
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Optional
+from typing import Optional
 
 import numpy as np
 
@@ -19,15 +22,18 @@ from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.outcome import Outcome, outcome
 
 START_WITHIN = 300.0  # [s] the first time, everything is compiled
-SLACK = 60.0  # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
+# [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
+SLACK = 60.0
 LOCKSTEP_SLOWNESS = 60.0
-LOOP_PRIORITY = 20  # of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
+# of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
+LOOP_PRIORITY = 20
 
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What `wholearm run` was told. rate: of the motors [Hz]; record: directory of the bag, or None;
-    topics: what goes into it, all when empty; time_budget: for planning [s]."""
+    """What `wholearm run` was told. rate: of the motors [Hz]; record: directory of the bag, or
+    None; topics: what goes into it, all when empty; time_budget: for planning [s].
+    """
 
     scenario: str
     pacing: str = 'realtime'
@@ -46,9 +52,10 @@ class RunOptions:
 
 @dataclass(frozen=True, eq=False)
 class RunReport:
-    """planned: whether there was a plan; message: one line about it; planner: figures of the search; result: of the goal;
-    judged: the object's pose against its goal, None when nothing was executed; modes: seconds in each, as planned;
-    timings [s]: of start, planning and execution."""
+    """planned: whether there was a plan; message: one line about it; planner: figures of the
+    search; result: of the goal; judged: the object's pose against its goal, None when nothing was
+    executed; modes: seconds in each, as planned; timings [s]: of start, planning and execution.
+    """
 
     planned: bool
     message: str
@@ -111,7 +118,8 @@ def run_graph(
     log_directory: Path = None,
     on_client_ready: Callable[[Client], None] = lambda client: None,
 ) -> RunReport:
-    """Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)` or `tell(line, progress)`, 0 to 1.
+    """Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)`
+    or `tell(line, progress)`, 0 to 1.
 
     on_client_ready: is given the client before anything happens, to listen to more of the run.
     """
@@ -166,7 +174,7 @@ def _plan_and_execute(client: Client, scenario, options, tell) -> RunReport:
     )
 
 
-def _follow(client: Client, options, tell):
+def _follow(client: Client, options, tell) -> None:
     latest = client.latest
     slowness = LOCKSTEP_SLOWNESS if options.pacing == 'lockstep' else 1.0
     deadline = time.monotonic() + latest.trajectory.duration * slowness + SLACK

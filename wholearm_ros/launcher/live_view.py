@@ -1,4 +1,6 @@
-"""`wholearm run` in a terminal: step, progress, mode, joint angles, and the torque within its feasible range, as they change."""
+"""`wholearm run` in a terminal: step, progress, mode, joint angles, and the torque within its
+feasible range, as they change.
+"""
 
 from dataclasses import dataclass
 
@@ -32,8 +34,10 @@ MODE_STYLES = {
 
 @dataclass(frozen=True)
 class Moment:
-    """What is shown of one instant: time on the trajectory's clock and duration [s], angles (2,) [rad], the torque-controlled
-    finger, its pressing torque and the feasible range (low, high) [N m] or None where there is none, and the highest torque of the plan [N m]."""
+    """What is shown of one instant: time on the trajectory's clock and duration [s], angles (2,)
+    [rad], the torque-controlled finger, its pressing torque and the feasible range (low, high) [N
+    m] or None where there is none, and the highest torque of the plan [N m].
+    """
 
     mode: str
     time: float
@@ -112,7 +116,9 @@ def picture(step: str, moment: Moment = None) -> Panel:
 
 
 def torque_bar(moment: Moment) -> Text:
-    """The pressing torque as a mark on a line; the feasible range is shaded, the mark red outside of it."""
+    """The pressing torque as a mark on a line; the feasible range is shaded, the mark red outside
+    of it.
+    """
     bottom, top = -0.2 * moment.highest, 1.6 * moment.highest
 
     def place(torque):
@@ -133,9 +139,11 @@ def torque_bar(moment: Moment) -> Text:
 
 
 class LiveView:
-    """A context that draws in a terminal. Called with each step; `on_client_ready` gives it the client whose run is shown."""
+    """A context that draws in a terminal. Called with each step; `on_client_ready` gives it the
+    client whose run is shown.
+    """
 
-    def __init__(self, console: Console):
+    def __init__(self, console: Console) -> None:
         self._step, self._client, self._joints = '', None, None
         self._live = Live(self, console=console, refresh_per_second=RATE, transient=True)
 
@@ -149,15 +157,17 @@ class LiveView:
     def __call__(self, step: str, share: float = 0.0):
         self._step = step
 
-    def on_client_ready(self, client):
-        """Listens to the joints: raw bytes, so that a message costs next to nothing until one is drawn."""
+    def on_client_ready(self, client) -> None:
+        """Listens to the joints: raw bytes, so that a message costs next to nothing until one is
+        drawn.
+        """
         newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
         client.node.create_subscription(
             channels.JOINT_STATES.type, channels.JOINT_STATES.name, self._hear, newest, raw=True
         )
         self._client = client
 
-    def _hear(self, data: bytes):
+    def _hear(self, data: bytes) -> None:
         self._joints = data
 
     def __rich__(self):
@@ -190,7 +200,7 @@ class LiveView:
 class PlainView:
     """The same without a terminal: each step once, as a line."""
 
-    def __init__(self, console: Console):
+    def __init__(self, console: Console) -> None:
         self._console, self._last = console, None
 
     def __enter__(self):
@@ -204,7 +214,7 @@ class PlainView:
             self._console.print(Text(step), soft_wrap=True)
         self._last = step
 
-    def on_client_ready(self, client):
+    def on_client_ready(self, client) -> None:
         """Nothing to draw, nothing to hear."""
 
 

@@ -28,9 +28,11 @@ class DomainTaken(WholeArmError):
 
 @contextmanager
 def alone_in_domain():
-    """No second launcher on this machine may start nodes of the same names: two hands would answer every setpoint.
+    """No second launcher on this machine may start nodes of the same names: two hands would answer
+    every setpoint.
 
-    The name of an abstract socket is taken: it goes with the process, however that ends. Raises DomainTaken.
+    The name of an abstract socket is taken: it goes with the process, however that ends. Raises
+    DomainTaken.
     """
     domain = os.environ.get('ROS_DOMAIN_ID') or '0'
     with socket.socket(socket.AF_UNIX) as name:
@@ -47,7 +49,7 @@ def alone_in_domain():
 class Processes:
     """A context: what was started inside has ended after it, and its shared memory is gone."""
 
-    def __init__(self, log_directory: Path):
+    def __init__(self, log_directory: Path) -> None:
         self._logs, self._running = log_directory, {}
         self._shared_before = _shared_memory()
 
@@ -57,7 +59,7 @@ class Processes:
     def __exit__(self, *_):
         self.stop()
 
-    def start(self, node: str, parameters: dict, namespace: str = ''):
+    def start(self, node: str, parameters: dict, namespace: str = '') -> None:
         """The program of `node` with `parameters`, its output in a file of its own."""
         command = [*self.program(node), '--ros-args']
         if namespace:
@@ -65,7 +67,8 @@ class Processes:
         for name, value in parameters.items():
             command += ['-p', f'{name}:={_text(value)}']
         with open(self.log_of(node), 'wb') as log:
-            # A session of its own: Ctrl-C reaches the launcher only, which then stops the nodes in order.
+            # A session of its own: Ctrl-C reaches the launcher only, which then stops the nodes in
+            # order.
             self._running[node] = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
@@ -85,7 +88,7 @@ class Processes:
     def pid(self, node: str) -> int:
         return self._running[node].pid
 
-    def check(self):
+    def check(self) -> None:
         """Raises NodeDied when a process ended."""
         for node, process in self._running.items():
             code = process.poll()
@@ -100,8 +103,10 @@ class Processes:
                     '\n'.join([f'{node} {how}; its last words:', *(f'  {line}' for line in lines)])
                 )
 
-    def stop(self):
-        """SIGINT, and SIGKILL to those that stay; the recorder last, so that it sees the others off."""
+    def stop(self) -> None:
+        """SIGINT, and SIGKILL to those that stay; the recorder last, so that it sees the others
+        off.
+        """
         order = sorted(self._running, key=lambda node: node == 'bag_recorder')
         for group in (
             [n for n in order if n != 'bag_recorder'],
@@ -113,7 +118,7 @@ class Processes:
             _remove_if_unused(path)
 
     @staticmethod
-    def _stop(processes):
+    def _stop(processes) -> None:
         for process in processes:
             if process.poll() is None:
                 process.send_signal(signal.SIGCONT)  # one that was stopped would not hear the next
@@ -127,7 +132,7 @@ class Processes:
                 process.wait()
 
 
-def _die_with_parent():
+def _die_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
 
 
@@ -147,7 +152,7 @@ def _shared_memory() -> set:
     }
 
 
-def _remove_if_unused(path: Path):
+def _remove_if_unused(path: Path) -> None:
     """Fast DDS locks NAME_el as long as somebody uses NAME; a process that was killed leaves both."""
     lock = path if path.name.endswith('_el') else path.with_name(path.name + '_el')
     if path.name.startswith('sem.'):

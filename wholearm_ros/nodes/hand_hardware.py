@@ -30,7 +30,7 @@ from wholearm_ros.ros.node.node import ERROR, OK, WARN, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import state_markers
 from wholearm_ros.ros.visualization.robot_description import urdf
-from wholearm_ros.simulation.hand import make_hand
+from wholearm_ros.simulation.factory import make_hand
 
 DECLARED = (
     SCENARIO,

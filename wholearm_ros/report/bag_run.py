@@ -1,7 +1,6 @@
 """The last run in a bag (MCAP or sqlite3), read without ROS."""
 
 from pathlib import Path
-from typing import Dict, List, Tuple
 
 import numpy as np
 
@@ -29,10 +28,10 @@ READ = (
 )
 SETTLE = 0.5  # [s] shown after the end
 RUNNING = ('quasi_static', 'dwell', 'dynamic', 'caging')
-Messages = List[Tuple[int, object]]
+Messages = list[tuple[int, object]]
 
 
-def read_bag(path: Path) -> Tuple[ContactPlan, ManipulationTrajectory, RunView]:
+def read_bag(path: Path) -> tuple[ContactPlan, ManipulationTrajectory, RunView]:
     """Raises BagError when the bag cannot be read or holds no run."""
     heard = _messages(Path(path))
     lacking = [topic for topic in NEEDED if not heard[topic]]
@@ -56,13 +55,13 @@ def read_bag(path: Path) -> Tuple[ContactPlan, ManipulationTrajectory, RunView]:
     return plan, trajectory, _view(path, heard, plan, trajectory, began)
 
 
-def _messages(path: Path) -> Dict[str, Messages]:
+def _messages(path: Path) -> dict[str, Messages]:
     """(log time [ns], message) by topic, whatever the namespace."""
     with Bag(path.parent if path.suffix in ('.mcap', '.db3') else path) as bag:
         return bag.timed_messages(READ)
 
 
-def _began(heard) -> Tuple[int, float]:
+def _began(heard) -> tuple[int, float]:
     """(log time [ns], stamp [s]) of the last run's first setpoint."""
     modes = [(when, message.data) for when, message in heard['mode_switcher/mode']]
     begins = [
@@ -132,8 +131,9 @@ def _view(path, heard, plan, trajectory, began) -> RunView:
 
 
 def _trajectory_start(heard, began: float, over: float) -> float:
-    """The stamp [s] at which the trajectory's time is zero, as the mode switcher says; in bags of before it said so, a
-    ramp of the default length after the first setpoint."""
+    """The stamp [s] at which the trajectory's time is zero, as the mode switcher says; in bags of
+    before it said so, a ramp of the default length after the first setpoint.
+    """
     for _, message in reversed(heard['mode_switcher/progress']):
         told = values_of(message)
         start = int(told.get('trajectory start') or 0) / NANOSECONDS
@@ -143,7 +143,9 @@ def _trajectory_start(heard, began: float, over: float) -> float:
 
 
 def _modes(trajectory, times, stopped, over) -> tuple:
-    """The switch follows the trajectory's clock, so its modes follow from the time; a stop is told in the result."""
+    """The switch follows the trajectory's clock, so its modes follow from the time; a stop is told
+    in the result.
+    """
     ends = np.array([s.end for s in trajectory.segments])
     names = np.array([*(s.mode for s in trajectory.segments), DONE])[
         np.searchsorted(ends, times, side='right')
@@ -172,8 +174,10 @@ def _joints(messages: Messages) -> np.ndarray:
     return np.array([rows[stamp] for stamp in sorted(rows)])
 
 
-def _poses(messages: Messages, stamps: np.ndarray, scenario) -> Tuple[np.ndarray, bool]:
-    """(m, 3) at `stamps`, the rotation continuous from the scenario's start; and whether there are any."""
+def _poses(messages: Messages, stamps: np.ndarray, scenario) -> tuple[np.ndarray, bool]:
+    """(m, 3) at `stamps`, the rotation continuous from the scenario's start; and whether there are
+    any.
+    """
     rows = {_stamp(m): planar_of(m.pose) for _, m in messages}
     kept = [stamp for stamp in sorted(rows) if stamps[0] - 1.0 <= stamp <= stamps[-1] + 1.0]
     if len(kept) < 2:

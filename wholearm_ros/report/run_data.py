@@ -1,4 +1,6 @@
-"""What the page of a run is given as JSON: everything at 100 Hz, rounded; lengths in mm, angles in degrees."""
+"""What the page of a run is given as JSON: everything at 100 Hz, rounded; lengths in mm, angles in
+degrees.
+"""
 
 import numpy as np
 
@@ -55,7 +57,9 @@ def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
 
 
 def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict:
-    """Number → time [s] at which the planned trajectory comes nearest to each subgoal of the route, in their order."""
+    """Number → time [s] at which the planned trajectory comes nearest to each subgoal of the route,
+    in their order.
+    """
     way = np.hstack([trajectory.poses, trajectory.angles]) / [0.1, 0.1, 1.0, 1.0, 1.0]
     configurations = {s.number: s.configuration for s in plan.subgoals}
     found, begin = {}, 0
@@ -67,7 +71,9 @@ def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict
 
 
 def _touches(scenario, run, rows) -> list:
-    """A row an instant: x, y, normal x, normal y of each contact, one after the other [mm, mm, 1, 1]."""
+    """A row an instant: x, y, normal x, normal y of each contact, one after the other [mm, mm, 1,
+    1].
+    """
     result = []
     for k in rows:
         points, normals = touching(scenario, np.concatenate([run.poses[k], run.angles[k]]))

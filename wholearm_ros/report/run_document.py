@@ -1,7 +1,8 @@
-"""The document `wholearm-run/1`: a run without ROS with its plan and trajectory, as `wholearm simulate --run` writes it."""
+"""The document `wholearm-run/1`: a run without ROS with its plan and trajectory, as `wholearm
+simulate --run` writes it.
+"""
 
 import json
-from typing import Tuple
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def run_document(
     )
 
 
-def read_run_document(text: str) -> Tuple[ContactPlan, ManipulationTrajectory, RunView]:
+def read_run_document(text: str) -> tuple[ContactPlan, ManipulationTrajectory, RunView]:
     """Raises DocumentError when it is damaged."""
     try:
         d = json.loads(text)

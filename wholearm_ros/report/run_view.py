@@ -17,11 +17,13 @@ from wholearm_ros.simulation.outcome import Outcome, outcome
 
 @dataclass(frozen=True, eq=False)
 class RunView:
-    """times (m,) [s] on the trajectory's clock: 0 is its start, negative while the setpoints are ramped in.
+    """times (m,) [s] on the trajectory's clock: 0 is its start, negative while the setpoints are
+    ramped in.
 
-    angles, velocities, efforts (m, 2) [rad, rad/s, N m], left then right; poses (m, 3) the truth [m, m, rad], NaN where
-    it is not known; modes (m,) names; judged: of the end, None when the truth is not known; reason: why the run stopped;
-    facts: what else is known of it, name → text, in the order in which it is shown.
+    angles, velocities, efforts (m, 2) [rad, rad/s, N m], left then right; poses (m, 3) the truth
+    [m, m, rad], NaN where it is not known; modes (m,) names; judged: of the end, None when the
+    truth is not known; reason: why the run stopped; facts: what else is known of it, name → text,
+    in the order in which it is shown.
     """
 
     times: np.ndarray
@@ -71,9 +73,11 @@ def view_of(
 
 @dataclass(frozen=True, eq=False)
 class Controlled:
-    """Planned and executed side by side at the run's instants, (m,) each: the torque-controlled finger's `side` and
-    pressing torques [N m], the velocity-controlled finger's angles [rad]; torque_range (m, 2), NaN where there is none: out
-    of quasi-static motion, and where no torque bears the object."""
+    """Planned and executed side by side at the run's instants, (m,) each: the torque-controlled
+    finger's `side` and pressing torques [N m], the velocity-controlled finger's angles [rad];
+    torque_range (m, 2), NaN where there is none: out of quasi-static motion, and where no torque
+    bears the object.
+    """
 
     torque_side: np.ndarray
     planned_torque: np.ndarray
@@ -123,7 +127,9 @@ def controlled(trajectory: ManipulationTrajectory, run: RunView) -> Controlled:
 
 
 def setpoints_at(trajectory: ManipulationTrajectory, times: np.ndarray) -> tuple:
-    """(efforts (k, 2) [N m], angles (k, 2) [rad]) as ManipulationTrajectory.sample gives them, for many instants."""
+    """(efforts (k, 2) [N m], angles (k, 2) [rad]) as ManipulationTrajectory.sample gives them, for
+    many instants.
+    """
     held = np.clip(times, 0.0, trajectory.duration)
     efforts = np.column_stack(
         [np.interp(held, trajectory.times, trajectory.efforts[:, k]) for k in range(2)]
@@ -164,7 +170,9 @@ def errors(trajectory: ManipulationTrajectory, run: RunView) -> dict:
 
 
 def planned_poses_at(trajectory: ManipulationTrajectory, times: np.ndarray) -> np.ndarray:
-    """(k, 3) the object as planned; in caging and dynamic motion a guess, the object is not held to it there."""
+    """(k, 3) the object as planned; in caging and dynamic motion a guess, the object is not held to
+    it there.
+    """
     return np.column_stack(
         [np.interp(times, trajectory.times, trajectory.poses[:, k]) for k in range(3)]
     )

@@ -1,8 +1,10 @@
-"""What a report can be made from: a bag, the directory of a run, a run document, results of a suite."""
+"""What a report can be made from: a bag, the directory of a run, a run document, results of a
+suite.
+"""
 
 import json
 from pathlib import Path
-from typing import Tuple, Union
+from typing import Union
 
 from wholearm_ros.errors import DocumentError, WholeArmError
 from wholearm_ros.model.plan import ContactPlan
@@ -14,11 +16,13 @@ from wholearm_ros.report.run_view import RunView
 
 SUITE_FORMAT = 'wholearm-suite-result/1'
 MAX_BYTES = 200_000_000
-Told = Tuple[ContactPlan, ManipulationTrajectory, RunView]
+Told = tuple[ContactPlan, ManipulationTrajectory, RunView]
 
 
 def read_source(path: Path) -> Union[Told, dict]:
-    """(plan, trajectory, run), or the document of a suite's result. Raises a WholeArmError that says what is wrong."""
+    """(plan, trajectory, run), or the document of a suite's result. Raises a WholeArmError that
+    says what is wrong.
+    """
     path = Path(path)
     if not path.exists():
         raise WholeArmError(

@@ -1,1 +1,1 @@
-"""The ROS edge: channels (names and QoS), parameters, messages, node bases, bags and the launcher."""
+"""The ROS edge: channels (names and QoS), parameters, messages, what all nodes share."""

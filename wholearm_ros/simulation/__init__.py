@@ -1,1 +1,1 @@
-"""The hand's stand-ins, what may be perturbed in them, the closed loop without ROS, and the suite."""
+"""The stand-ins of the hand, the closed loop without ROS, and the judged outcome."""

@@ -1,7 +1,7 @@
-"""The motors and encoders of a stand-in: limits, delay, gain error, noise. Shared by every back end."""
+"""The motors and encoders of every stand-in: limits, delay, gain error, noise."""
 
 from collections import deque
-from typing import Optional, Tuple
+from typing import Optional
 
 import numpy as np
 
@@ -14,11 +14,11 @@ from wholearm_ros.model.scenario import Scenario
 class Drives:
     """Two motor drives. Commands act `actuation_delay` later, rounded to whole physics steps.
 
-    Before the first command, and whenever the command is None, the drives hold the fingers where they then are,
-    their own weight compensated.
+    Before the first command, and whenever the command is None, the drives hold the fingers where
+    they then are, their own weight compensated.
     """
 
-    def __init__(self, scenario: Scenario, perturbation: Perturbation, dt: float):
+    def __init__(self, scenario: Scenario, perturbation: Perturbation, dt: float) -> None:
         fingers = (scenario.hand.left, scenario.hand.right)
         self._limits = np.array([f.torque_limit for f in fingers])
         self._weights = np.array(
@@ -30,14 +30,18 @@ class Drives:
 
     def reset(self, angles: np.ndarray) -> None:
         """angles: (2,) [rad] to hold."""
-        self._held = np.array(angles, dtype=float)
-        self._waiting = deque([None] * self._delay)
-        self.asked = self._weights * np.cos(self._held)  # (2,) [N m]
+        self._held: Optional[np.ndarray] = np.array(angles, dtype=float)
+        self._waiting: deque[Optional[np.ndarray]] = deque([None] * self._delay)
+        self.asked: np.ndarray = self._weights * np.cos(self._held)  # (2,) [N m]
 
     def torques(
         self, command: Optional[np.ndarray], angles: np.ndarray, velocities: np.ndarray
     ) -> np.ndarray:
-        """(2,) [N m] at the joints now, for the command given now and the fingers' true state."""
+        """(2,) [N m] at the joints now, for the command given now and the fingers' true state.
+
+        command: (2,) [N m] or None; angles, velocities: (2,) [rad], [rad/s]. Raises HardwareError
+        when the command is not two finite numbers.
+        """
         if command is not None:
             command = np.asarray(command, dtype=float)
             if command.shape != (2,) or not np.isfinite(command).all():
@@ -50,25 +54,28 @@ class Drives:
             self._held = angles.copy() if self._held is None else self._held
             acting = holding_effort(HOLD_GAINS, self._weights, self._held, angles, velocities)
         self.asked = np.clip(acting if command is None else command, -self._limits, self._limits)
-        return np.clip(acting, -self._limits, self._limits) * self._factors
+        torques: np.ndarray = np.clip(acting, -self._limits, self._limits) * self._factors
+        return torques
 
 
 class Encoders:
-    """Readings of the joints: the truth and white noise, drawn once a step from the perturbation's own seed."""
+    """Readings of the joints: the truth and white noise, drawn once a step.
 
-    def __init__(self, perturbation: Perturbation):
-        self._angle_noise, self._velocity_noise = (
-            perturbation.encoder_noise,
-            perturbation.velocity_noise,
-        )
+    The noise is drawn from the perturbation's own seed, so a run can be repeated.
+    """
+
+    def __init__(self, perturbation: Perturbation) -> None:
+        self._angle_noise = perturbation.encoder_noise
+        self._velocity_noise = perturbation.velocity_noise
         self._seed = perturbation.noise_seed
         self.reset()
 
     def reset(self) -> None:
+        """The same noise again, from its beginning."""
         self._rng = np.random.default_rng(self._seed)
 
-    def read(self, angles: np.ndarray, velocities: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """(2,) [rad], (2,) [rad/s]"""
+    def read(self, angles: np.ndarray, velocities: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(2,) [rad], (2,) [rad/s]: what the encoders say of these true values."""
         if self._angle_noise == 0.0 and self._velocity_noise == 0.0:
             return angles.copy(), velocities.copy()
         noise = self._rng.standard_normal((2, 2))

@@ -9,7 +9,12 @@ from wholearm_ros.control.execution import Execution
 from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.open_loop_torque import torque_effort
 from wholearm_ros.control.pd_velocity import velocity_effort
-from wholearm_ros.control.setpoints import ControlOptions, Joints
+from wholearm_ros.control.setpoints import (
+    ControlOptions,
+    Joints,
+    TorqueSetpoint,
+    VelocitySetpoint,
+)
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.hand import Hand
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
@@ -17,16 +22,20 @@ from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.initial_state import perturbed_start
-from wholearm_ros.simulation.hand import HandBackend, make_hand
+from wholearm_ros.simulation.factory import make_hand
+from wholearm_ros.simulation.hand import HandBackend
 
 
 @dataclass(frozen=True, eq=False)
 class RunRecord:
-    """One run, a row a period: times (m,) [s]; angles, velocities, efforts (m, 2) measured and commanded, left then
-    right [rad, rad/s, N m]; poses, object_velocities (m, 3) the truth [m, m, rad] and their rates; modes (m,) names;
-    reason: why the switch stopped, '' when it did not; truth: the scenario with the perturbation applied.
-    pairs: (2,) each [rad], what the probe measured; interrupted: why it ended early, '' when it did not;
-    deviation [rad]: of the fingers from the plan, see `Execution.deviation`."""
+    """One run, a row a period.
+
+    times: (m,) [s]; angles, velocities, efforts: (m, 2) measured and commanded, left then right
+    [rad, rad/s, N m]; poses, object_velocities: (m, 3) the truth [m, m, rad] and their rates;
+    modes: (m,) names; reason: why the switch stopped, '' when it did not; truth: the scenario with
+    the perturbation applied; pairs: (2,) each [rad], what the probe measured; interrupted: why it
+    ended early, '' when it did not; deviation [rad]: see `Execution.deviation`.
+    """
 
     times: np.ndarray
     angles: np.ndarray
@@ -34,17 +43,17 @@ class RunRecord:
     efforts: np.ndarray
     poses: np.ndarray
     object_velocities: np.ndarray
-    modes: tuple
+    modes: tuple[str, ...]
     reason: str
     truth: Scenario
     perturbation: Perturbation
-    pairs: tuple = ()
+    pairs: tuple[np.ndarray, ...] = ()
     interrupted: str = ''
     deviation: float = float('inf')
 
-    def time_in_modes(self) -> dict:
+    def time_in_modes(self) -> dict[str, float]:
         """Seconds in each mode that occurred, in order of appearance."""
-        period = self.times[1] - self.times[0]
+        period = float(self.times[1] - self.times[0])
         return {mode: period * self.modes.count(mode) for mode in dict.fromkeys(self.modes)}
 
 
@@ -60,12 +69,12 @@ def run(
     view: bool = False,
     probe: Optional[Probe] = None,
 ) -> RunRecord:
-    """Executes `trajectory` and then holds its end for `settle` [s] (also after a stop, so that the fall is seen).
+    """Execute `trajectory`, then hold its end for `settle` [s], also after a stop.
 
-    probe: the motion that then feels where the object lies.
-
-    scenario: as told to the planner; perturbation: what is truly different; seed: of the encoder noise, added to the
-    perturbation's own. The object is set down where the perturbed scenario's start says, the fingers closed on it.
+    The object is set down where the perturbed scenario's start says, the fingers closed on it.
+    scenario: as told to the planner; rate [Hz]: of the control loop; perturbation: what is truly
+    different; seed: of the encoder noise, added to the perturbation's own; probe: the motion that
+    then feels where the object lies. Raises HardwareError when the backend is not there.
     """
     perturbation = perturbation or NOMINAL
     hand = make_hand(
@@ -83,13 +92,16 @@ def run(
 def commanded_efforts(
     hand: Hand,
     controls: ControlOptions,
-    motion,
-    torque,
+    motion: VelocitySetpoint,
+    torque: TorqueSetpoint,
     joints: Joints,
     previous: np.ndarray,
     dt: float,
 ) -> np.ndarray:
-    """(2,) [N m]: both controllers' answer to both setpoints. previous: (2,) the efforts of the period before."""
+    """(2,) [N m]: both controllers' answer to both setpoints.
+
+    previous: (2,) [N m] the efforts of the period before; dt [s]: that period.
+    """
     efforts = np.empty(2)
     v, t = motion.joint, torque.joint
     efforts[v] = velocity_effort(
@@ -106,10 +118,10 @@ def lead(
     steps: int,
     perturbation: Perturbation,
 ) -> RunRecord:
-    """The execution on a hand as it is: at least `steps` periods, and until the probe is over where there is one."""
+    """The execution on a hand as it is: `steps` periods, and until its probe is over."""
     fingers = hand.scenario.hand
-    rows: list = []
-    modes: list = []
+    rows: list[np.ndarray] = []
+    modes: list[str] = []
     previous = hand.efforts().copy()
     probing = execution.probe is not None
     while len(rows) < steps or (probing and not execution.over and not execution.reason):
@@ -118,18 +130,8 @@ def lead(
         previous = commanded_efforts(
             fingers, controls, motion, torque, joints, previous, hand.period
         )
-        rows.append(
-            np.concatenate(
-                [
-                    [hand.time],
-                    joints.angles,
-                    joints.velocities,
-                    previous,
-                    hand.object_pose(),
-                    hand.object_velocity(),
-                ]
-            )
-        )
+        truth = (hand.object_pose(), hand.object_velocity())
+        rows.append(np.hstack([hand.time, joints.angles, joints.velocities, previous, *truth]))
         modes.append(execution.shown)
         hand.step(previous)
     table = np.array(rows)

@@ -8,7 +8,7 @@ PALM_DEPTH = 0.03  # [m] the palm is solid this far below its surface
 
 
 def inset(polygon: np.ndarray, distance: float) -> np.ndarray:
-    """(n, 2): every edge of the convex, counter-clockwise `polygon` (n, 2) moved inwards by `distance`.
+    """(n, 2) [m]: the convex, counter-clockwise `polygon` (n, 2) with its edges moved inwards.
 
     Raises ValueError when nothing is left of an edge.
     """
@@ -30,7 +30,7 @@ def finger_rectangle(finger: Finger) -> np.ndarray:
     return np.array([[0.0, -half], [length, -half], [length, half], [0.0, half]])
 
 
-def palm_slabs(palm: Palm) -> list:
+def palm_slabs(palm: Palm) -> list[np.ndarray]:
     """One (4, 2) [m] slab under each segment of the palm, its free side on the segment's left."""
     slabs = []
     for a, b in zip(palm.vertices[:-1], palm.vertices[1:]):

@@ -1,7 +1,8 @@
 """The jury: one run on every engine that is installed, and where two of them part first.
 
-A plan that only one engine carries out lives on that engine's peculiarities. The engines get the same plan, the same
-perturbation and the same noise; what is compared are the contacts of the exact polygons, not what an engine reports.
+A plan that only one engine carries out lives on that engine's peculiarities. The engines get the
+same plan, the same perturbation and the same noise; what is compared are the contacts of the exact
+polygons, not what an engine reports.
 """
 
 from dataclasses import dataclass
@@ -26,7 +27,10 @@ APART = 1e-3  # [m] a pair with a larger gap does not
 
 @dataclass(frozen=True, eq=False)
 class Testimony:
-    """What one engine made of the run. penetration [m]: the deepest of the exact polygons, at any time."""
+    """What one engine made of the run.
+
+    penetration [m]: the deepest of the exact polygons, at any time.
+    """
 
     engine: str
     record: RunRecord
@@ -36,7 +40,11 @@ class Testimony:
 
 @dataclass(frozen=True)
 class Difference:
-    """The first time [s] at which `pair` touches in engine `touching` and is `gap` [m] apart in engine `apart`."""
+    """Where the contacts of two engines part.
+
+    The first time [s] at which `pair` touches in engine `touching` and is `gap` [m] apart in engine
+    `apart`.
+    """
 
     time: float
     pair: str
@@ -54,7 +62,10 @@ class Difference:
 
 @dataclass(frozen=True, eq=False)
 class Disagreement:
-    """Two engines of which one reached the goal. first: where their contacts part; None when they do not."""
+    """Two engines of which one reached the goal.
+
+    first: where their contacts part; None when they do not.
+    """
 
     reached: str
     missed: str
@@ -68,7 +79,7 @@ class Disagreement:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """testimonies: of every engine; disagreements: one for each pair of engines that judge differently."""
+    """What all engines say: a disagreement for each pair of engines that judge differently."""
 
     testimonies: tuple[Testimony, ...]
     disagreements: tuple[Disagreement, ...]
@@ -116,7 +127,10 @@ def hear(
     controls: ControlOptions = ControlOptions(),
     engines: tuple[str, ...] | None = None,
 ) -> Verdict:
-    """Execute `trajectory` in every engine (default: all that are installed). rate [Hz]: of the control loop."""
+    """Execute `trajectory` in every engine (default: all that are installed).
+
+    rate [Hz]: of the control loop. Raises HardwareError when an engine is not installed.
+    """
     testimonies = []
     for engine in engines or installed_backends():
         record = run(
@@ -149,7 +163,10 @@ def disagreements(testimonies: list[Testimony]) -> tuple[Disagreement, ...]:
 
 
 def first_difference(a: Testimony, b: Testimony) -> Difference | None:
-    """Where the contacts of two runs of one plan part; between touching and apart nothing is said."""
+    """Where the contacts of two runs of one plan part.
+
+    Of a gap between TOUCHING and APART nothing is said.
+    """
     (gaps_a, codes_a), (gaps_b, codes_b) = _gaps(a.record), _gaps(b.record)
     rows = min(len(gaps_a), len(gaps_b))
     gaps_a, gaps_b = gaps_a[:rows], gaps_b[:rows]

@@ -1,13 +1,16 @@
-"""The hand's stand-in in MuJoCo: planar rigid bodies, two motors, joint readings. The only file that imports mujoco.
+"""The stand-in in MuJoCo: planar rigid bodies and two motors. The only file that imports mujoco.
 
-The support plane's (x, y) is MuJoCo's (x, y) and gravity pulls along -y. The object's one body has two slides and a
-hinge: planar exactly. No joint has damping, friction or a motor of MuJoCo's own.
+The support plane's (x, y) is MuJoCo's (x, y) and gravity pulls along -y. The object's one body has
+two slides and a hinge: planar exactly. No joint has damping, friction or a motor of MuJoCo's own.
 
-In the plane two convex polygons touch at a vertex of one and an edge of the other, so that is what collides here: a sphere
-of CORNER_RADIUS at every vertex of the object against the exact boxes of fingers and palm, and one at every corner of
-fingers and palm against the exact prism of the object. MuJoCo's own contacts of box and prism are not used: for nearly
-parallel faces their normals are up to 89 mrad off.
+In the plane two convex polygons touch at a vertex of one and an edge of the other, so that is what
+collides here: a sphere of CORNER_RADIUS at every vertex of the object against the exact boxes of
+fingers and palm, and one at every corner of fingers and palm against the exact prism of the object.
+MuJoCo's own contacts of box and prism are not used: for nearly parallel faces their normals are up
+to 89 mrad off.
 """
+
+from collections.abc import Iterable
 
 import mujoco
 import numpy as np
@@ -17,31 +20,32 @@ from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.simulation.actuation import Drives, Encoders
 from wholearm_ros.simulation.collision_shapes import PALM_DEPTH, finger_rectangle, palm_slabs
-from wholearm_ros.simulation.hand import ContactPoint
+from wholearm_ros.simulation.contact_point import ContactPoint
 
 PHYSICS_RATE = 4000.0  # [Hz] at least
 CORNER_RADIUS = 1e-6  # [m] of the spheres that stand for vertices
 HALF_DEPTH = 0.05  # [m] of every body across the plane; it carries no physics
-# Contacts and end stops. `solref`: the shortest time constant that MuJoCo allows, in steps, and a damping ratio: the larger,
-# the less of an impact's penetration comes back as speed. `solimp`: the stiffest that MuJoCo allows, at every depth.
+# Contacts and end stops. `solref`: the shortest time constant that MuJoCo allows, in steps, and a
+# damping ratio: the larger, the less of an impact's penetration comes back as speed. `solimp`: the
+# stiffest that MuJoCo allows, at every depth.
 TIME_CONSTANT_STEPS, DAMPING_RATIO, IMPEDANCE = 2.0, 4.0, 0.9999
-# Friction. MuJoCo's cone makes a sliding contact rise by μ · (sliding speed) · (contact's time constant / this one): nothing
-# when this one is long; but sliding also takes this long to come to its end.
+# Friction. MuJoCo's cone makes a sliding contact rise by μ · (sliding speed) · (contact's time
+# constant / this one): nothing when this one is long; but sliding also takes this long to come to
+# its end.
 FRICTION_TIME_CONSTANT = 0.01  # [s]
-FRICTION_IMPEDANCE = (
-    100.0  # of friction over the normal's: the larger, the less a sticking contact creeps
-)
+# Of friction over that of the normal: the larger, the less a sticking contact creeps.
+FRICTION_IMPEDANCE = 100.0
 
 
 class MuJoCoHand:
-    """See HandBackend. scenario: as told to the planner; the truth, with the perturbation applied, is `.scenario`.
+    """See HandBackend; `scenario` is the truth, with the perturbation applied.
 
     largest_penetration [m]: the deepest that a contact was found since the reset.
     """
 
     def __init__(
         self, scenario: Scenario, rate: float = 1000.0, perturbation: Perturbation | None = None
-    ):
+    ) -> None:
         perturbation = perturbation or NOMINAL
         self.scenario = perturbation.applied(scenario)
         self.period = 1.0 / rate
@@ -55,8 +59,8 @@ class MuJoCoHand:
         self._encoders = Encoders(perturbation)
         self.reset(np.zeros(5))
 
-    # ------------------------------------------------------------------ the methods of HandBackend
     def reset(self, configuration: np.ndarray) -> None:
+        """At rest at `configuration` (5,) [m, m, rad, rad, rad]."""
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:] = configuration
         mujoco.mj_forward(self._model, self._data)
@@ -66,6 +70,7 @@ class MuJoCoHand:
         self._reading = self._encoders.read(self._data.qpos[3:], self._data.qvel[3:])
 
     def step(self, efforts: np.ndarray | None) -> None:
+        """One period under motor torques (2,) [N m]; None: the fingers are held."""
         data = self._data
         for _ in range(self._substeps):
             data.qfrc_applied[3:] = self._drives.torques(efforts, data.qpos[3:], data.qvel[3:])
@@ -78,16 +83,20 @@ class MuJoCoHand:
         self._reading = self._encoders.read(data.qpos[3:], data.qvel[3:])
 
     def joints(self) -> tuple[np.ndarray, np.ndarray]:
+        """Measured angles (2,) [rad] and velocities (2,) [rad/s]."""
         return self._reading
 
     def efforts(self) -> np.ndarray:
+        """(2,) [N m]: what the drives were last asked for."""
         return self._drives.asked
 
     def object_pose(self) -> np.ndarray:
-        return self._data.qpos[:3].copy()
+        """(3,) [m, m, rad], the truth."""
+        return np.array(self._data.qpos[:3])
 
     def object_velocity(self) -> np.ndarray:
-        return self._data.qvel[:3].copy()
+        """(3,) [m/s, m/s, rad/s], the truth."""
+        return np.array(self._data.qvel[:3])
 
     def contacts(self) -> list[ContactPoint]:
         """Those that carried a force in the last physics step, at the places where it began."""
@@ -108,12 +117,15 @@ class MuJoCoHand:
         return found
 
     def disconnect(self) -> None:
-        """Nothing to free."""
+        """Does nothing: there is nothing to free."""
 
 
 # ---------------------------------------------------------------------- the model, as MuJoCo's XML
 def model_text(scenario: Scenario, friction: float, dt: float) -> str:
-    """MJCF of the scenario, frictionless contacts (condim 1) when `friction` is 0; dt [s]: the physics step."""
+    """MJCF of the scenario; dt [s]: the physics step.
+
+    Contacts are frictionless (condim 1) when `friction` is 0.
+    """
     thing = scenario.object
     outline = thing.polygon.vertices_about_centroid
     prism = [(x, y, side) for x, y in outline for side in (-HALF_DEPTH, HALF_DEPTH)]
@@ -122,8 +134,9 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
     return f"""
 <mujoco model="wholearm">
   <compiler angle="radian"/>
-  <option timestep="{dt}" gravity="0 {-scenario.gravity.in_plane} 0" integrator="Euler" cone="elliptic"
-          solver="Newton" jacobian="dense" iterations="100" tolerance="1e-12" impratio="{FRICTION_IMPEDANCE}">
+  <option timestep="{dt}" gravity="0 {-scenario.gravity.in_plane} 0" integrator="Euler"
+          cone="elliptic" impratio="{FRICTION_IMPEDANCE}"
+          solver="Newton" jacobian="dense" iterations="100" tolerance="1e-12">
     <flag multiccd="disable"/>
   </option>
   <default>
@@ -135,7 +148,8 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
   <asset><mesh name="prism" vertex="{_numbers(prism)}"/></asset>
   <worldbody>
     <body name="object">
-      <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/><joint type="hinge" axis="0 0 1"/>
+      <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
+      <joint type="hinge" axis="0 0 1"/>
       <inertial pos="0 0 0" mass="{thing.mass}" diaginertia="{_numbers([[thing.inertia] * 3])}"/>
       <geom name="prism" type="mesh" mesh="prism"/>{_spheres('object', outline)}
     </body>
@@ -169,8 +183,10 @@ def _finger(name: str, finger: Finger) -> str:
     return f"""
     <body name="{name}" pos="{_numbers([[*finger.axis, 0.0]])}">
       <joint type="hinge" axis="0 0 1" limited="true" range="{_numbers([finger.angle_limits])}"/>
-      <inertial pos="{half} 0 0" mass="{finger.mass}" diaginertia="{_numbers([[about_centre] * 3])}"/>
-      <geom name="{name}_box0" type="box" pos="{half} 0 0" size="{half} {finger.half_width} {HALF_DEPTH}"/>
+      <inertial pos="{half} 0 0" mass="{finger.mass}"
+                diaginertia="{_numbers([[about_centre] * 3])}"/>
+      <geom name="{name}_box0" type="box" pos="{half} 0 0"
+            size="{half} {finger.half_width} {HALF_DEPTH}"/>
       {_spheres(name, finger_rectangle(finger))}
     </body>"""
 
@@ -178,7 +194,8 @@ def _finger(name: str, finger: Finger) -> str:
 def _spheres(body: str, points: np.ndarray) -> str:
     return ''.join(
         f"""
-      <geom name="{body}_corner{k}" type="sphere" size="{CORNER_RADIUS}" pos="{_numbers([[*p, 0.0]])}"/>"""
+      <geom name="{body}_corner{k}" type="sphere" size="{CORNER_RADIUS}"
+            pos="{_numbers([[*p, 0.0]])}"/>"""
         for k, p in enumerate(points)
     )
 
@@ -196,5 +213,5 @@ def _pairs(object_vertices: int, palm_vertices: int) -> str:
     return ''.join(f'<pair geom1="{a}" geom2="{b}"/>' for a, b in vertices + corners)
 
 
-def _numbers(rows) -> str:
+def _numbers(rows: Iterable[Iterable[float]]) -> str:
     return ' '.join(repr(float(value)) for row in rows for value in row)

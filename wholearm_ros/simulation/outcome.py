@@ -15,10 +15,11 @@ REST_TIME = 0.1  # [s] at the end of the run, over whose mean both are taken
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """executed: the object rests at its goal; reason: the first thing that is missing, '' when nothing is.
+    """What a run achieved.
 
-    pose (3,) [m, m, rad] at the end; angle_error [rad], x_error [m] (0 when no x is asked for), gap [m] to the palm,
-    speed [m/s], turning [rad/s].
+    executed: the object rests at its goal; reason: what is missing, '' when nothing is; at the end:
+    pose (3,) [m, m, rad], angle_error [rad], x_error [m] (0 when no x is asked for), gap [m] to the
+    palm, speed [m/s], turning [rad/s].
     """
 
     executed: bool
@@ -32,7 +33,7 @@ class Outcome:
 
 
 def outcome(scenario: Scenario, record: RunRecord) -> Outcome:
-    """The judgement of `record`; angles and the palm's gap are those of the true object (`record.truth`)."""
+    """The judgement of `record`, on the true object (`record.truth`)."""
     goal, pose = goal_region(record.truth), record.poses[-1]
     missing = goal.missing(pose)
     speed, turning = _speeds_at_end(record)
@@ -59,8 +60,10 @@ def palm_gap(scenario: Scenario, pose: np.ndarray) -> float:
 
 
 def _speeds_at_end(record: RunRecord) -> tuple[float, float]:
-    """Mean speed [m/s] and rate of turning [rad/s] over the last REST_TIME, or over the last two records if those lie
-    further apart; infinite when there is but one."""
+    """Mean speed [m/s] and rate of turning [rad/s] over the last REST_TIME.
+
+    Over the last two records if those lie further apart; infinite when there is but one.
+    """
     if len(record.times) < 2:
         return np.inf, np.inf
     first = min(

@@ -1,6 +1,6 @@
-"""The hand's stand-in by our own forward dynamics (Phase 2's LCP time stepping): planar, needs nothing but the kernels."""
+"""The stand-in by our own forward dynamics, LCP time stepping: planar, nothing but kernels."""
 
-from typing import List, Optional, Tuple
+from typing import Optional
 
 import numpy as np
 
@@ -10,21 +10,21 @@ from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.simulation.actuation import Drives, Encoders
-from wholearm_ros.simulation.hand import ContactPoint
+from wholearm_ros.simulation.contact_point import ContactPoint
 
 PHYSICS_RATE = 1000.0  # [Hz] at least; that of the rollouts by which trajectories are verified
 TOUCHING = 1e-5  # [m] a pair with a smaller gap is reported as a contact
 
 
 class PlanarHand:
-    """See HandBackend. scenario: as told to the planner; the truth, with the perturbation applied, is `.scenario`.
+    """See HandBackend; `scenario` is the truth, with the perturbation applied.
 
     The forces of `contacts()` are not kept by the time stepping: they are NaN.
     """
 
     def __init__(
         self, scenario: Scenario, rate: float = 1000.0, perturbation: Optional[Perturbation] = None
-    ):
+    ) -> None:
         perturbation = perturbation or NOMINAL
         self.scenario = perturbation.applied(scenario)
         self.period = 1.0 / rate
@@ -32,7 +32,7 @@ class PlanarHand:
         self._dt = self.period / self._substeps
         self._world = build_world(self.scenario)
         self._friction = float(perturbation.friction)
-        self._work = self._new_work()
+        self._work = time_stepping.new_workspace(self._world)
         self._drives = Drives(self.scenario, perturbation, self._dt)
         self._encoders = Encoders(perturbation)
         self._q, self._v, self.time = np.zeros(5), np.zeros(5), 0.0
@@ -40,45 +40,44 @@ class PlanarHand:
         self.largest_residual = 0.0  # [m/s] of the complementarity problem, since the reset
 
     def reset(self, configuration: np.ndarray) -> None:
+        """At rest at `configuration` (5,) [m, m, rad, rad, rad]."""
         self._q, self._v, self.time = np.array(configuration, dtype=float), np.zeros(5), 0.0
-        self._work = self._new_work()
+        self._work = time_stepping.new_workspace(self._world)
         self.largest_residual = 0.0
         self._drives.reset(self._q[3:])
         self._encoders.reset()
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
 
-    def _new_work(self):
-        return time_stepping.new_workspace(self._world)
-
     def step(self, efforts: Optional[np.ndarray]) -> None:
+        """One period under motor torques (2,) [N m]; None: the fingers are held."""
         for _ in range(self._substeps):
-            torques = self._drives.torques(efforts, self._q[3:], self._v[3:])
+            q, v = self._q, self._v
+            torques = self._drives.torques(efforts, q[3:], v[3:])
             _, residual = time_stepping.step(
-                self._world,
-                self._friction,
-                torques,
-                self._dt,
-                self._q,
-                self._v,
-                self._work,
+                self._world, self._friction, torques, self._dt, q, v, self._work
             )
             self.largest_residual = max(self.largest_residual, residual)
         self.time += self.period
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
 
-    def joints(self) -> Tuple[np.ndarray, np.ndarray]:
+    def joints(self) -> tuple[np.ndarray, np.ndarray]:
+        """Measured angles (2,) [rad] and velocities (2,) [rad/s]."""
         return self._reading
 
     def efforts(self) -> np.ndarray:
+        """(2,) [N m]: what the drives were last asked for."""
         return self._drives.asked
 
     def object_pose(self) -> np.ndarray:
+        """(3,) [m, m, rad], the truth."""
         return self._q[:3].copy()
 
     def object_velocity(self) -> np.ndarray:
+        """(3,) [m/s, m/s, rad/s], the truth."""
         return self._v[:3].copy()
 
-    def contacts(self) -> List[ContactPoint]:
+    def contacts(self) -> list[ContactPoint]:
+        """Pairs closer than TOUCHING; force is NaN."""
         w = self._world
         gaps, codes = self._work.gaps.copy(), self._work.codes.copy()
         geometry.gap_table(*w.geometry, w.corners, self._q, gaps, codes)
@@ -98,4 +97,4 @@ class PlanarHand:
         return found
 
     def disconnect(self) -> None:
-        """Nothing to free."""
+        """Does nothing: there is nothing to free."""

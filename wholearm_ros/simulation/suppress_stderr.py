@@ -2,11 +2,12 @@
 
 import os
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 
 @contextmanager
-def quiet_stderr():
+def suppress_stderr() -> Iterator[None]:
     """Whatever is printed to standard error meanwhile, also from C, is dropped."""
     sys.stderr.flush()
     kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)

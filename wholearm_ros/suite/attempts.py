@@ -20,7 +20,8 @@ from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planner.supervision import END, FEEL, Supervision
 from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.simulation.closed_loop import RunRecord, lead
-from wholearm_ros.simulation.hand import HandBackend, make_hand
+from wholearm_ros.simulation.factory import make_hand
+from wholearm_ros.simulation.hand import HandBackend
 
 SETTLE = 0.5  # [s] of holding before the probe
 ON_EDGE = 0.03  # [rad] within which the object truly lies on an edge

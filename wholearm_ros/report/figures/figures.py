@@ -1,7 +1,6 @@
 """All figures of one run, as files."""
 
 from pathlib import Path
-from typing import List
 
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
@@ -15,7 +14,7 @@ from wholearm_ros.report.run_view import RunView
 
 def write_figures(
     directory: Path, plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
-) -> List[Path]:
+) -> list[Path]:
     """The paper's Figures 6, 7 and 8 of this run and an animation; the paths of what was written."""
     directory = Path(directory)
     written = [

@@ -72,7 +72,7 @@ def draw_film(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunVie
     return figure
 
 
-def _frame(axes, scenario, trajectory, t, pose, angles):
+def _frame(axes, scenario, trajectory, t, pose, angles) -> None:
     at = min(int(round(t / trajectory.period)), len(trajectory.angles) - 1)
     q = np.concatenate([trajectory.poses[at], trajectory.angles[at]])
     points, normals = touching(scenario, np.concatenate([pose, angles]))

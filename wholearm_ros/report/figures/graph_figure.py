@@ -27,7 +27,9 @@ ROTATION = {1: '↺', -1: '↻', 0: ''}
 
 
 def draw_graph(plan: ContactPlan, layout: GraphLayout = None) -> Figure:
-    """Subgoals as small drawings, reachable ones joined, the route from X_init to X_goal thick and red."""
+    """Subgoals as small drawings, reachable ones joined, the route from X_init to X_goal thick and
+    red.
+    """
     layout = layout or lay_out(plan)
     aspect, box = _cell(plan, layout)
     width = layout.columns * (CELL + GAP_X) + 0.3
@@ -49,15 +51,19 @@ def draw_graph(plan: ContactPlan, layout: GraphLayout = None) -> Figure:
 
 
 def _cell(plan, layout):
-    """(height / width of a cell, what is seen in it: (left, right, bottom, top) [m]): the object's reach and a margin."""
+    """(height / width of a cell, what is seen in it: (left, right, bottom, top) [m]): the object's
+    reach and a margin.
+    """
     poses = [s.configuration[:3] for s in plan.subgoals if s.number in layout.cells]
     points = np.vstack([object_outline(plan.scenario, pose) for pose in poses])
     (left, bottom), (right, top) = points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
     return (top - bottom) / (right - left), (left, right, bottom, top)
 
 
-def _edges(axes, layout, places, tall):
-    """Right-angled lines; those that start from different subgoals of a column turn at different places."""
+def _edges(axes, layout, places, tall) -> None:
+    """Right-angled lines; those that start from different subgoals of a column turn at different
+    places.
+    """
     lines, thick, lanes = [], [], _lanes(layout)
     for a, b, on_route in layout.edges:
         (x0, y0), (x1, y1) = places[a], places[b]
@@ -68,7 +74,9 @@ def _edges(axes, layout, places, tall):
 
 
 def _lanes(layout) -> dict:
-    """Share of the gap behind a column at which the lines of each subgoal in it turn, the lowest subgoal's first."""
+    """Share of the gap behind a column at which the lines of each subgoal in it turn, the lowest
+    subgoal's first.
+    """
     columns = {}
     for a in dict.fromkeys(a for a, _, _ in layout.edges):
         columns.setdefault(layout.cells[a][0], []).append(a)
@@ -79,7 +87,7 @@ def _lanes(layout) -> dict:
     }
 
 
-def _subgoal(axes, plan, subgoal, layout, place, aspect, box):
+def _subgoal(axes, plan, subgoal, layout, place, aspect, box) -> None:
     x, y = place
     on_route = subgoal.number in layout.route
     frame = FancyBboxPatch(

@@ -1,8 +1,9 @@
-"""Where the subgoals of a contact-state transition graph are drawn: columns by depth, the route along the top row."""
+"""Where the subgoals of a contact-state transition graph are drawn: columns by depth, the route
+along the top row.
+"""
 
 from collections import Counter, deque
 from dataclasses import dataclass
-from typing import Dict, List, Tuple
 
 from wholearm_ros.model.plan import X_END, ContactPlan, Y
 
@@ -11,13 +12,15 @@ LIMIT = 60  # subgoals drawn; of larger graphs the route with its neighbourhood
 
 @dataclass(frozen=True)
 class GraphLayout:
-    """cells: subgoal number → (column, row); edges: (number, number, on the route); hidden: number → subgoals that were
-    left out behind it; merged: subgoals not drawn because they share a configuration with one that is."""
+    """cells: subgoal number → (column, row); edges: (number, number, on the route); hidden: number
+    → subgoals that were left out behind it; merged: subgoals not drawn because they share a
+    configuration with one that is.
+    """
 
-    cells: Dict[int, Tuple[int, int]]
-    edges: Tuple[Tuple[int, int, bool], ...]
-    route: Tuple[int, ...]
-    hidden: Dict[int, int]
+    cells: dict[int, tuple[int, int]]
+    edges: tuple[tuple[int, int, bool], ...]
+    route: tuple[int, ...]
+    hidden: dict[int, int]
     merged: int
 
     @property
@@ -30,7 +33,9 @@ class GraphLayout:
 
 
 def lay_out(plan: ContactPlan, limit: int = LIMIT) -> GraphLayout:
-    """As in the paper's Figure 6: X_start and X_through are drawn; an X_end and its Y are not, where a start follows."""
+    """As in the paper's Figure 6: X_start and X_through are drawn; an X_end and its Y are not,
+    where a start follows.
+    """
     parents = {s.number: s.parent for s in plan.subgoals}
     shown = _drawn(plan, parents)
     up = {n: _nearest(parents, parents[n], shown) for n in shown}
@@ -63,7 +68,7 @@ def _nearest(parents, number, shown):
     return number
 
 
-def _children(parents) -> Dict[int, List[int]]:
+def _children(parents) -> dict[int, list[int]]:
     children = {None: []}
     for number in sorted(parents):
         children.setdefault(number, [])
@@ -83,7 +88,7 @@ def _nearest_to_route(up, children, route, limit) -> set:
     return kept
 
 
-def _place(children, route) -> Dict[int, Tuple[int, int]]:
+def _place(children, route) -> dict[int, tuple[int, int]]:
     cells, free = {}, Counter()
 
     def place(number, column, row):

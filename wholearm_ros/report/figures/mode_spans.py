@@ -1,27 +1,27 @@
 """Stretches of time in one mode, planned and executed."""
 
-from typing import Iterable, List, Tuple
+from collections.abc import Iterable
 
 import numpy as np
 
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.report.run_view import RunView
 
-Span = Tuple[float, float, str]
+Span = tuple[float, float, str]
 
 
-def executed_spans(run: RunView) -> List[Span]:
+def executed_spans(run: RunView) -> list[Span]:
     """(start, end [s], mode) of what the mode switch led through."""
     return merged(
         (t, u, mode) for t, u, mode in zip(run.times, [*run.times[1:], run.times[-1]], run.modes)
     )
 
 
-def planned_spans(trajectory: ManipulationTrajectory) -> List[Span]:
+def planned_spans(trajectory: ManipulationTrajectory) -> list[Span]:
     return merged((s.start, s.end, s.mode) for s in trajectory.segments)
 
 
-def merged(spans: Iterable[Span]) -> List[Span]:
+def merged(spans: Iterable[Span]) -> list[Span]:
     """Neighbours of the same mode as one."""
     result = []
     for start, end, mode in spans:
@@ -35,8 +35,9 @@ def merged(spans: Iterable[Span]) -> List[Span]:
 def key_instants(
     trajectory: ManipulationTrajectory, run: RunView, most: int = 8, apart: float = 0.12
 ) -> np.ndarray:
-    """Instants [s] worth a picture: the start, every change of mode or of contact state, the end; at least `apart`,
-    long stretches halved while there is room."""
+    """Instants [s] worth a picture: the start, every change of mode or of contact state, the end;
+    at least `apart`, long stretches halved while there is room.
+    """
     changes = [s.start for s in trajectory.segments if s.end - s.start > apart]
     instants = []
     for t in sorted({0.0, *changes, *(a for a, _, _ in planned_spans(trajectory))}):

@@ -1,6 +1,8 @@
-"""Outlines of the hand and the object at a configuration, and where they touch. Lengths [m], palm frame."""
+"""Outlines of the hand and the object at a configuration, and where they touch. Lengths [m], palm
+frame.
+"""
 
-from typing import Sequence, Tuple
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -38,8 +40,10 @@ def hand_outlines(scenario: Scenario, angles: Sequence[float]) -> list:
 
 def contact_marks(
     scenario: Scenario, configuration: np.ndarray, contacts: Sequence[str]
-) -> Tuple[np.ndarray, np.ndarray]:
-    """(points (k, 2) [m], unit normals towards the object (k, 2)) of named pairs at a configuration (5,)."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """(points (k, 2) [m], unit normals towards the object (k, 2)) of named pairs at a configuration
+    (5,).
+    """
     world = build_world(scenario)
     rows = [
         geometry.contact(*world.geometry, pair_from_name(name), configuration)[:4]
@@ -49,8 +53,10 @@ def contact_marks(
     return table[:, :2], table[:, 2:]
 
 
-def touching(scenario: Scenario, configuration: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """The same of whatever is closed to within TOUCH at a configuration; nothing when the object's pose is not known."""
+def touching(scenario: Scenario, configuration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same of whatever is closed to within TOUCH at a configuration; nothing when the object's
+    pose is not known.
+    """
     if not np.isfinite(configuration).all():
         return np.empty((0, 2)), np.empty((0, 2))
     closed = closed_pairs(build_world(scenario), configuration, TOUCH)
@@ -72,8 +78,9 @@ def _inside(outline: np.ndarray, point: np.ndarray) -> bool:
 
 def view_box(
     scenario: Scenario, poses: np.ndarray, angles: np.ndarray
-) -> Tuple[float, float, float, float]:
-    """(left, right, bottom, top) [m] that holds the object at `poses` (m, 3) and the fingers at `angles` (m, 2).
+) -> tuple[float, float, float, float]:
+    """(left, right, bottom, top) [m] that holds the object at `poses` (m, 3) and the fingers at
+    `angles` (m, 2).
 
     Of a fallen object only what is near the hand is kept.
     """

@@ -1,4 +1,6 @@
-"""Colours and names that every figure shares; told apart by people who do not see red and green alike."""
+"""Colours and names that every figure shares; told apart by people who do not see red and green
+alike.
+"""
 
 MODE_COLOURS = {
     'quasi_static': '#8cbfe6',

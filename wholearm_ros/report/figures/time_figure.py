@@ -1,4 +1,6 @@
-"""Figure 7: torque of the torque-controlled finger with its feasible range, and angle and error of the other finger."""
+"""Figure 7: torque of the torque-controlled finger with its feasible range, and angle and error of
+the other finger.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -50,7 +52,7 @@ def draw_times(trajectory: ManipulationTrajectory, run: RunView, title: str = ''
     return figure
 
 
-def _bands(axes, trajectory, run, both, span):
+def _bands(axes, trajectory, run, both, span) -> None:
     """Three rows: the mode planned, the mode executed, the finger that is torque-controlled."""
     fingers = merged(
         (a, b, int(s))
@@ -82,7 +84,7 @@ def _bands(axes, trajectory, run, both, span):
         side.set_visible(False)
 
 
-def _torque(axes, run: RunView, both: Controlled):
+def _torque(axes, run: RunView, both: Controlled) -> None:
     low, high = both.torque_range.T
     if np.isfinite(high).any():
         axes.fill_between(
@@ -121,7 +123,9 @@ def _torque(axes, run: RunView, both: Controlled):
 
 
 def torque_window(both: Controlled) -> tuple:
-    """(bottom, top [N m], what is beyond): the torques that occur fill the picture, not the ends of the range."""
+    """(bottom, top [N m], what is beyond): the torques that occur fill the picture, not the ends of
+    the range.
+    """
     low, high = both.torque_range.T
     used = np.concatenate([both.torque, both.planned_torque, low[np.isfinite(low)], [0.0]])
     bottom, top = float(used.min()), float(used.max())
@@ -139,7 +143,7 @@ def torque_window(both: Controlled) -> tuple:
     return bottom - 0.1 * span, max(highest, top) + 0.1 * span, ''
 
 
-def _angle(angle, error, run: RunView, both: Controlled):
+def _angle(angle, error, run: RunView, both: Controlled) -> None:
     jump = np.flatnonzero(np.diff(both.torque_side))
     planned, executed = np.degrees(both.planned_angle), np.degrees(both.angle)
     wrong = 1e3 * both.angle_error

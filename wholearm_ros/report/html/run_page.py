@@ -17,7 +17,9 @@ from wholearm_ros.report.run_view import RunView, errors
 
 
 def run_page(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> str:
-    """HTML: animation with a slider, torque and angle plots, contact-state graph, modes, errors, timings, scenario."""
+    """HTML: animation with a slider, torque and angle plots, contact-state graph, modes, errors,
+    timings, scenario.
+    """
     name = plan.scenario.name or 'run'
     body = asset('run.html')
     for key, value in (

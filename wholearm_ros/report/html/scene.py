@@ -1,4 +1,6 @@
-"""The hand and the object as a page draws them: outlines in their own frames [mm], and what is to be seen of the plane."""
+"""The hand and the object as a page draws them: outlines in their own frames [mm], and what is to
+be seen of the plane.
+"""
 
 import numpy as np
 
@@ -7,7 +9,9 @@ from wholearm_ros.report.figures.outlines import view_box
 
 
 def scene(scenario: Scenario, poses: np.ndarray, angles: np.ndarray) -> dict:
-    """Fingers along +x from their axes, the object about its centroid; the box holds poses (m, 3) and angles (m, 2)."""
+    """Fingers along +x from their axes, the object about its centroid; the box holds poses (m, 3)
+    and angles (m, 2).
+    """
     left, right, bottom, top = view_box(scenario, poses, angles)
     fingers = []
     for finger in (scenario.hand.left, scenario.hand.right):

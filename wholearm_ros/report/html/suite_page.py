@@ -1,7 +1,6 @@
 """The report of a suite: a grid of tasks, what became of each, times, success against perturbation."""
 
 from html import escape
-from typing import List
 
 import numpy as np
 
@@ -20,8 +19,10 @@ KINDS = {
 }
 
 
-def suite_page(documents: List[dict]) -> str:
-    """documents: `wholearm-suite-result/1`, the first in the grid; several give success against their perturbation."""
+def suite_page(documents: list[dict]) -> str:
+    """documents: `wholearm-suite-result/1`, the first in the grid; several give success against
+    their perturbation.
+    """
     try:
         first = documents[0]
         data = {
@@ -82,7 +83,9 @@ def _task(task: dict) -> dict:
 
 
 def _run(task: dict) -> dict:
-    """What the page needs to show the first run; None when there was none, or a result of before this was kept."""
+    """What the page needs to show the first run; None when there was none, or a result of before
+    this was kept.
+    """
     if not task.get('motion') or 'scenario' not in task:
         return None
     rows = np.array(task['motion']['rows'])

@@ -1,7 +1,7 @@
 """The one call behind `wholearm report`: whatever it is given, one HTML file."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Sequence
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.report.html.run_page import run_page

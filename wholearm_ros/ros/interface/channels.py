@@ -1,4 +1,4 @@
-"""Every topic and service of the graph: name, type, quality of service. Relative to the namespace /wholearm."""
+"""Every topic and service of the graph: name (relative to /wholearm), type, quality of service."""
 
 from dataclasses import dataclass
 
@@ -29,9 +29,8 @@ def _qos(depth: int, reliable: bool = True, latched: bool = False) -> QoSProfile
 
 RELIABLE, LATCHED, BEST_EFFORT = _qos(10), _qos(1, latched=True), _qos(5, reliable=False)
 NEWEST = _qos(1)  # setpoints and commands: only the newest counts
-NO_RESENDING = _qos(
-    10, reliable=False
-)  # how the nodes of the loop listen to joint states, setpoints and commands
+# How the nodes of the loop listen to joint states, setpoints and commands.
+NO_RESENDING = _qos(10, reliable=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +74,8 @@ JOINT_STATES = Topic('joint_states', JointState, RELIABLE)
 OBJECT_POSE = Topic('object_pose', PoseStamped, BEST_EFFORT)
 ROBOT_DESCRIPTION = Topic('robot_description', String, LATCHED)
 MARKERS = Topic('markers', MarkerArray, LATCHED)
-TRANSFORMS = Topic(
-    'transforms', TransformStamped, BEST_EFFORT
-)  # /tf itself where tf2_msgs can be imported
+# /tf itself where tf2_msgs can be imported.
+TRANSFORMS = Topic('transforms', TransformStamped, BEST_EFFORT)
 RESET = Service('hand_hardware/reset', Trigger)
 HARDWARE_STOP = Service('hand_hardware/stop', Trigger)
 

@@ -4,7 +4,7 @@ from wholearm_ros.control.setpoints import ControlOptions, PdGains
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.package_share import scenario_path
-from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.interface.parameters import Declared, Parameters
 
 SCENARIO = Declared(
     'scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'
@@ -46,16 +46,18 @@ MAX_TRACKING_ERROR = Declared(
 )
 
 
-def scenario_of(parameters) -> Scenario:
-    """Raises ScenarioError."""
+def scenario_of(parameters: Parameters) -> Scenario:
+    """The scenario that `scenario` names. Raises ScenarioError."""
     return load_scenario(scenario_path(parameters.scenario))
 
 
-def gains_of(parameters) -> PdGains:
+def gains_of(parameters: Parameters) -> PdGains:
+    """Of `kp` and `kd`."""
     return PdGains(parameters.kp, parameters.kd)
 
 
-def switch_options_of(parameters) -> ControlOptions:
+def switch_options_of(parameters: Parameters) -> ControlOptions:
+    """Of `ramp`, `handover` and `max_tracking_error`."""
     return ControlOptions(
         ramp=parameters.ramp,
         handover=parameters.handover,

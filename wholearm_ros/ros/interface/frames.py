@@ -1,12 +1,19 @@
-"""Where the object and the fingers are, as transforms from the palm: on /tf where tf2_msgs can be imported."""
+"""Where the object and the fingers are: transforms from the palm, on /tf where it can be."""
+
+from __future__ import annotations
 
 from math import cos, sin
+from typing import TYPE_CHECKING
 
+import numpy as np
 from geometry_msgs.msg import TransformStamped
 
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.ros.interface.channels import FINGER_FRAMES, OBJECT_FRAME, PALM_FRAME, TRANSFORMS
 from wholearm_ros.ros.interface.messages import set_stamp
+
+if TYPE_CHECKING:
+    from wholearm_ros.ros.node.node import WholeArmNode
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -17,7 +24,7 @@ except ImportError:  # there is no wheel of it
 class Frames:
     """Publishes the three transforms, together on /tf or one by one on `transforms`."""
 
-    def __init__(self, node, scenario: Scenario):
+    def __init__(self, node: WholeArmNode, scenario: Scenario) -> None:
         self._axes = [scenario.hand.left.axis, scenario.hand.right.axis]
         self._transforms = [_transform(frame) for frame in (OBJECT_FRAME, *FINGER_FRAMES)]
         self._publisher = (
@@ -26,20 +33,14 @@ class Frames:
             else node.create_publisher(TFMessage, '/tf', 100)
         )
 
-    def publish(self, stamp: int, pose, angles):
+    def publish(self, stamp: int, pose: np.ndarray, angles: np.ndarray) -> None:
         """stamp [ns]; pose (3,) of the object [m, m, rad]; angles (2,) of the joints [rad]."""
-        for transform, (x, y, turn) in zip(
-            self._transforms, (pose, *((*axis, angle) for axis, angle in zip(self._axes, angles)))
-        ):
+        fingers = [np.array([*axis, angle]) for axis, angle in zip(self._axes, angles)]
+        for transform, (x, y, turn) in zip(self._transforms, [pose, *fingers]):
             set_stamp(transform.header.stamp, stamp)
-            transform.transform.translation.x, transform.transform.translation.y = (
-                float(x),
-                float(y),
-            )
-            transform.transform.rotation.z, transform.transform.rotation.w = (
-                sin(turn / 2),
-                cos(turn / 2),
-            )
+            place, rotation = transform.transform.translation, transform.transform.rotation
+            place.x, place.y = float(x), float(y)
+            rotation.z, rotation.w = sin(turn / 2), cos(turn / 2)
         if TFMessage is not None:
             self._publisher.publish(TFMessage(transforms=self._transforms))
         else:

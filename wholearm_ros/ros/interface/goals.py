@@ -1,4 +1,4 @@
-"""The goal protocol of the trajectory generator: which goal runs, how far it is, how the last ones ended."""
+"""The goals of the trajectory generator: which one is active, and how the last ones ended."""
 
 from dataclasses import dataclass, replace
 
@@ -36,29 +36,35 @@ class Goal:
 
     @property
     def active(self) -> bool:
+        """Whether it has not ended."""
         return self.status in ACTIVE
 
     def to(self, status: int, reason: str = '') -> 'Goal':
+        """The same goal in another status."""
         return replace(self, status=status, reason=reason)
 
 
 class Goals:
     """At most one active goal, and the last ones that ended."""
 
-    def __init__(self):
-        self.ended, self.active = [], None  # type: list, Optional[Goal]
+    def __init__(self) -> None:
+        self.ended: list[Goal] = []
+        self.active: Goal | None = None
 
-    def accept(self, info: GoalInfo):
+    def accept(self, info: GoalInfo) -> None:
+        """`info` becomes the active goal."""
         self.active = Goal(info, ACCEPTED)
 
     def move(self, status: int, reason: str = '') -> Goal:
-        """The active goal to `status`; an ended one is remembered."""
+        """The active goal, which must exist, to `status`; an ended one is remembered."""
+        assert self.active is not None
         goal = self.active.to(status, reason)
         self.active = goal if goal.active else None
         if not goal.active:
             self.ended = [*self.ended, goal][-REMEMBERED:]
         return goal
 
-    def entries(self):
+    def entries(self) -> list[tuple[GoalInfo, int]]:
+        """(info, status) of the ended ones and of the active one, oldest first."""
         goals = [*self.ended, *([self.active] if self.active else [])]
         return [(g.info, g.status) for g in goals]

@@ -1,11 +1,13 @@
-"""sensor_msgs/JointState as it goes over the wire: read and written in a quarter of the time the generated class takes.
+"""sensor_msgs/JointState on the wire, read and written four times as fast as by its class.
 
-The loop does this thousands of times a second; a test holds both ways against rclpy's own serialization.
+The loop does this thousands of times a second; a test holds both ways against rclpy's own
+serialization.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 from struct import Struct, error, unpack_from
-from typing import NamedTuple, Tuple
+from typing import Any, NamedTuple
 
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
@@ -22,13 +24,13 @@ class MessageError(WholeArmError):
 
 
 class JointReading(NamedTuple):
-    """What a JointState says. stamp [ns]; the three columns are as long as their sender made them."""
+    """What a JointState says. stamp [ns]; the columns are as long as their sender made them."""
 
     stamp: int
-    name: Tuple[str, ...]
-    position: Tuple[float, ...]
-    velocity: Tuple[float, ...]
-    effort: Tuple[float, ...]
+    name: tuple[str, ...]
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
 
 
 def read_joints(data: bytes) -> JointReading:
@@ -63,13 +65,17 @@ def reading_of(message: JointState) -> JointReading:
 
 
 def write_joints(
-    stamp: int, frame: str, names: tuple, position=(), velocity=(), effort=()
+    stamp: int,
+    frame: str,
+    names: tuple[str, ...],
+    position: Sequence[float] = (),
+    velocity: Sequence[float] = (),
+    effort: Sequence[float] = (),
 ) -> bytes:
     """The serialized JointState of `stamp` [ns]."""
     pack, head, *counts = _layout(frame, names, len(position), len(velocity), len(effort))
-    return pack(
-        *divmod(stamp, NANOSECONDS), head, *position, counts[0], *velocity, counts[1], *effort
-    )
+    seconds = divmod(stamp, NANOSECONDS)
+    return bytes(pack(*seconds, head, *position, counts[0], *velocity, counts[1], *effort))
 
 
 def nanoseconds(sec: int, nanosec: int) -> int:
@@ -83,7 +89,7 @@ def _aligned(at: int, size: int) -> int:
     return at + (START - at) % size
 
 
-def _names(data: bytes, at: int):
+def _names(data: bytes, at: int) -> tuple[tuple[str, ...], int]:
     (count,) = unpack_from('<I', data, at)
     at, names = at + 4, []
     for _ in range(count):
@@ -94,7 +100,7 @@ def _names(data: bytes, at: int):
     return tuple(names), _aligned(at, 4)
 
 
-def _doubles(data: bytes, at: int):
+def _doubles(data: bytes, at: int) -> tuple[tuple[float, ...], int]:
     (count,) = unpack_from('<I', data, at)
     if not count:
         return (), at + 4
@@ -103,8 +109,10 @@ def _doubles(data: bytes, at: int):
 
 
 @lru_cache(maxsize=64)
-def _layout(frame: str, names: tuple, *counts: int):
-    """How to pack messages of this shape, and their constant pieces: the head, and what goes between the columns."""
+def _layout(frame: str, names: tuple[str, ...], *counts: int) -> tuple[Any, ...]:
+    """How to pack messages of this shape, and their constant pieces: the head, and what goes
+    between the columns.
+    """
     head = b''
     for text in (frame, None, *names):
         if text is None:

@@ -2,7 +2,8 @@
 
 import math
 import uuid
-from typing import Optional, Tuple
+from collections.abc import Iterable
+from typing import Any, Optional
 
 import numpy as np
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
@@ -32,27 +33,32 @@ PLANAR_TILT = 1e-3  # [rad] how far a pose's rotation may be from one about z
 
 
 def to_nanoseconds(stamp: Time) -> int:
+    """[ns]; raises MessageError."""
     return nanoseconds(stamp.sec, stamp.nanosec)
 
 
-def set_stamp(stamp: Time, nanoseconds: int):
+def set_stamp(stamp: Time, nanoseconds: int) -> None:
+    """The fields of `stamp` from `nanoseconds`."""
     stamp.sec, stamp.nanosec = divmod(nanoseconds, NANOSECONDS)
 
 
 # -- joints
 
 
-def joint_states_bytes(stamp: int, angles, velocities, efforts) -> bytes:
+def joint_states_bytes(
+    stamp: int, angles: np.ndarray, velocities: np.ndarray, efforts: np.ndarray
+) -> bytes:
     """joint_states at `stamp` [ns]; the three are (2,) [rad, rad/s, N m], left then right."""
     return write_joints(
         stamp, PALM_FRAME, JOINT_NAMES, angles.tolist(), velocities.tolist(), efforts.tolist()
     )
 
 
-def to_joints(message: JointReading) -> Tuple[int, Joints]:
+def to_joints(message: JointReading) -> tuple[int, Joints]:
     """Stamp [ns] and both joints, left then right, whatever their order in the message.
 
-    Numbers that are not finite come through: it is for the mode switch to stop on them.
+    Angles and velocities that are not finite come through: it is for the mode switch to stop on
+    them. Raises MessageError.
     """
     if set(message.name) != set(JOINT_NAMES) or len(message.name) != 2:
         raise MessageError(
@@ -63,6 +69,10 @@ def to_joints(message: JointReading) -> Tuple[int, Joints]:
         values = getattr(message, field)
         if len(values) != 2:
             raise MessageError(f'joint_states.{field}: got {len(values)} numbers; allowed: 2')
+        if field == 'effort' and not all(map(math.isfinite, values)):
+            raise MessageError(
+                f'joint_states.effort: got {_shown(list(values))}; allowed: finite numbers'
+            )
         columns.append(
             np.array(values) if message.name[0] == JOINT_NAMES[0] else np.array(values)[::-1]
         )
@@ -70,6 +80,7 @@ def to_joints(message: JointReading) -> Tuple[int, Joints]:
 
 
 def velocity_setpoint_bytes(stamp: int, setpoint: VelocitySetpoint) -> bytes:
+    """The serialized velocity_setpoint at `stamp` [ns]."""
     return write_joints(
         stamp,
         PALM_FRAME,
@@ -86,22 +97,24 @@ def effort_bytes(stamp: int, joint: int, effort: float) -> bytes:
 
 
 def to_velocity_setpoint(message: JointReading) -> VelocitySetpoint:
+    """Raises MessageError."""
     joint = _one_joint('velocity_setpoint', message, ('position', 'velocity', 'effort'))
     return VelocitySetpoint(joint, message.position[0], message.velocity[0], message.effort[0])
 
 
 def to_torque_setpoint(message: JointReading) -> TorqueSetpoint:
+    """Raises MessageError."""
     joint = _one_joint('torque_setpoint', message, ('effort',))
     return TorqueSetpoint(joint, message.effort[0])
 
 
-def to_command(message: JointReading) -> Tuple[int, int, float]:
-    """Stamp [ns], joint, effort [N m]."""
+def to_command(message: JointReading) -> tuple[int, int, float]:
+    """Stamp [ns], joint, effort [N m]. Raises MessageError."""
     joint = _one_joint('joint_commands', message, ('effort',))
     return message.stamp, joint, message.effort[0]
 
 
-def _one_joint(channel: str, message: JointReading, fields) -> int:
+def _one_joint(channel: str, message: JointReading, fields: tuple[str, ...]) -> int:
     if len(message.name) != 1 or message.name[0] not in JOINT_NAMES:
         raise MessageError(
             f'{channel}.name: got {_shown(message.name)}; allowed: one of {list(JOINT_NAMES)}'
@@ -119,10 +132,15 @@ def _one_joint(channel: str, message: JointReading, fields) -> int:
 
 
 def to_planar(message: PoseStamped, field: str) -> np.ndarray:
-    """(3,) of a pose in the palm's frame; the rotation lies in (-π, π]."""
+    """(3,) of a pose in the palm's frame; the rotation lies in (-π, π].
+
+    field: what the message is called in a MessageError, which is raised for another frame, numbers
+    that are not finite, and rotations that are not about z.
+    """
     if message.header.frame_id not in ('', PALM_FRAME):
         raise MessageError(
-            f'{field}.header.frame_id: got {_shown(message.header.frame_id)}; allowed: {PALM_FRAME!r}'
+            f'{field}.header.frame_id: got {_shown(message.header.frame_id)}; '
+            f'allowed: {PALM_FRAME!r}'
         )
     p, q = message.pose.position, message.pose.orientation
     if not all(map(math.isfinite, (p.x, p.y, p.z, q.x, q.y, q.z, q.w))):
@@ -137,12 +155,14 @@ def to_planar(message: PoseStamped, field: str) -> np.ndarray:
     return np.array([p.x, p.y, math.atan2(2 * q.w * q.z, q.w**2 - q.z**2)])
 
 
-def fill_pose(pose: Pose, planar):
+def fill_pose(pose: Pose, planar: np.ndarray) -> None:
+    """planar: (3,) x, y [m], rotation [rad]."""
     pose.position.x, pose.position.y = float(planar[0]), float(planar[1])
     pose.orientation.z, pose.orientation.w = math.sin(planar[2] / 2), math.cos(planar[2] / 2)
 
 
-def pose_message(stamp: Time, planar) -> PoseStamped:
+def pose_message(stamp: Time, planar: np.ndarray) -> PoseStamped:
+    """planar: (3,) x, y [m], rotation [rad] in the palm's frame."""
     message = PoseStamped()
     message.header.frame_id, message.header.stamp = PALM_FRAME, stamp
     fill_pose(message.pose, planar)
@@ -161,20 +181,23 @@ def to_goal_id(plan_id: str) -> bytes:
 
 
 def goal_message(goal_id: bytes, stamp: Time) -> GoalInfo:
+    """goal_id: 16 bytes."""
     message = GoalInfo(stamp=stamp)
     message.goal_id.uuid = np.frombuffer(goal_id, dtype=np.uint8)
     return message
 
 
 def goal_id_of(message: GoalInfo) -> bytes:
+    """16 bytes."""
     return bytes(bytearray(message.goal_id.uuid))
 
 
 def goal_name(goal_id: bytes) -> str:
+    """The UUID as text, which is the id of a plan."""
     return str(uuid.UUID(bytes=goal_id))
 
 
-def goal_statuses(entries) -> GoalStatusArray:
+def goal_statuses(entries: Iterable[tuple[GoalInfo, int]]) -> GoalStatusArray:
     """entries: (GoalInfo, status) pairs."""
     return GoalStatusArray(
         status_list=[GoalStatus(goal_info=info, status=status) for info, status in entries]
@@ -185,6 +208,7 @@ def goal_statuses(entries) -> GoalStatusArray:
 
 
 def to_joint_trajectory(trajectory: ManipulationTrajectory, stamp: Time) -> JointTrajectory:
+    """Positions, velocities and efforts of both joints, from `stamp` on."""
     message = JointTrajectory(joint_names=list(JOINT_NAMES))
     message.header.frame_id, message.header.stamp = PALM_FRAME, stamp
     rows = zip(
@@ -210,7 +234,7 @@ def to_joint_trajectory(trajectory: ManipulationTrajectory, stamp: Time) -> Join
 
 
 def status_message(
-    name: str, level: bytes, message: str, values: Optional[dict] = None
+    name: str, level: bytes, message: str, values: Optional[dict[str, Any]] = None
 ) -> DiagnosticStatus:
     """level: DiagnosticStatus.OK, WARN, ERROR or STALE."""
     pairs = [KeyValue(key=str(k), value=_text(v)) for k, v in (values or {}).items()]
@@ -219,14 +243,15 @@ def status_message(
     )
 
 
-def values_of(message: DiagnosticStatus) -> dict:
+def values_of(message: DiagnosticStatus) -> dict[str, str]:
+    """Key → value."""
     return {pair.key: pair.value for pair in message.values}
 
 
-def _text(value) -> str:
+def _text(value: Any) -> str:
     return f'{value:.6g}' if isinstance(value, float) else str(value)
 
 
-def _shown(value) -> str:
+def _shown(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 80 else text[:77] + '...'

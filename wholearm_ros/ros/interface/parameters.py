@@ -1,7 +1,8 @@
 """Parameters: declared with description, type and range; a set that is refused says why."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Callable, Optional
+from typing import Any, Optional
 
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -11,10 +12,12 @@ from rcl_interfaces.msg import (
 )
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from wholearm_ros.errors import WholeArmError
 
+Service = Callable[[Any, Any], Any]
 _KNOWN = {kind.value for kind in Parameter.Type}
 _TYPES = {
     bool: Parameter.Type.BOOL,
@@ -31,23 +34,27 @@ class ParameterError(WholeArmError):
 
 @dataclass(frozen=True)
 class Declared:
-    """One parameter: its default gives its type; low and high are inclusive; choices are for strings."""
+    """One parameter: its default gives its type.
+
+    low, high: inclusive, of numbers; choices: of strings.
+    """
 
     name: str
     default: Any
     description: str
     low: Optional[float] = None
     high: Optional[float] = None
-    choices: tuple = ()
+    choices: tuple[str, ...] = ()
     read_only: bool = True
 
     def descriptor(self) -> ParameterDescriptor:
+        """As ROS tells it to tools."""
         result = ParameterDescriptor(
             name=self.name, description=self.description, read_only=self.read_only
         )
         if self.choices:
             result.additional_constraints = 'one of: ' + ', '.join(map(str, self.choices))
-        if self.low is not None:
+        if self.low is not None and self.high is not None:
             if isinstance(self.default, float):
                 result.floating_point_range = [
                     FloatingPointRange(from_value=self.low, to_value=self.high)
@@ -58,11 +65,13 @@ class Declared:
                 ]
         return result
 
-    def problem(self, value) -> str:
+    def problem(self, value: Any) -> str:
         """Why `value` cannot be used, or nothing. NaN is outside of every range."""
         if self.choices and value not in self.choices:
             return f'{self.name}: got {value!r}; allowed: {", ".join(map(repr, self.choices))}'
-        if self.low is not None and not self.low <= value <= self.high:
+        if self.low is None or self.high is None:
+            return ''
+        if not self.low <= value <= self.high:
             return f'{self.name}: got {value!r}; allowed: {self.low} to {self.high}'
         return ''
 
@@ -70,25 +79,31 @@ class Declared:
 class Parameters:
     """The declared parameters of a node; `values.name` is the value now."""
 
-    def __init__(self, node, declared, on_change: Optional[Callable[[], None]] = None):
+    def __init__(
+        self,
+        node: Node,
+        declared: Iterable[Declared],
+        on_change: Optional[Callable[[], None]] = None,
+    ) -> None:
         self._declared = {p.name: p for p in declared}
-        self._values = {}
+        self._values: dict[str, Any] = {}
         self._on_change = on_change
         for p in self._declared.values():  # the last of two of one name
             self._values[p.name] = _declare(node, p)
         node.add_on_set_parameters_callback(self._allowed)
         node.add_post_set_parameters_callback(self._store)
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         try:
             return self.__dict__['_values'][name]
         except KeyError:
             raise AttributeError(name) from None
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
+        """Name → value now."""
         return dict(self._values)
 
-    def _allowed(self, changed) -> SetParametersResult:
+    def _allowed(self, changed: list[Parameter]) -> SetParametersResult:
         for p in changed:
             declared = self._declared.get(p.name)
             if declared is None:
@@ -103,18 +118,19 @@ class Parameters:
                 return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
 
-    def _store(self, changed):
+    def _store(self, changed: list[Parameter]) -> None:
         known = {p.name: p.value for p in changed if p.name in self._declared}
         self._values.update(known)
         if known and self._on_change:
             self._on_change()
 
 
-def survives_unknown_types(kind: type, callback: Callable):
-    """`callback` of rclpy's own service for SetParameters or SetParametersAtomically, which a value of no known type
-    would end the node with: it is refused instead."""
+def survives_unknown_types(kind: type, callback: Service) -> Service:
+    """`callback` of rclpy's own service for SetParameters or SetParametersAtomically, which a value
+    of no known type would end the node with: it is refused instead.
+    """
 
-    def guarded(request, response):
+    def guarded(request: Any, response: Any) -> Any:
         wrong = [p for p in request.parameters if p.value.type not in _KNOWN]
         if not wrong:
             return callback(request, response)
@@ -132,7 +148,7 @@ def survives_unknown_types(kind: type, callback: Callable):
     return guarded if kind in (SetParameters, SetParametersAtomically) else callback
 
 
-def _declare(node, p: Declared):
+def _declare(node: Node, p: Declared) -> Any:
     try:
         value = node.declare_parameter(p.name, p.default, p.descriptor()).value
     except InvalidParameterTypeException as error:

@@ -3,8 +3,8 @@
 from typing import Optional
 
 from wholearm_ros.control.execution import Execution
-from wholearm_ros.control.setpoints import Joints
-from wholearm_ros.ros.interface.messages import NANOSECONDS
+from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
 
 MAX_SPEED = 20.0  # [rad/s] and
 MAX_SLIP = 0.05  # [rad]: joints that move more than both allow between two states were put there
@@ -18,7 +18,9 @@ class StampedExecution(Execution):
 
     _first: Optional[int] = None
 
-    def step_at(self, stamp: int, joints: Joints, age: float = 0.0) -> tuple:
+    def step_at(
+        self, stamp: int, joints: Joints, age: float = 0.0
+    ) -> tuple[VelocitySetpoint, TorqueSetpoint]:
         """Both setpoints for the joint state at `stamp`, which is `age` [s] old."""
         if self._first is None:
             self._first = stamp

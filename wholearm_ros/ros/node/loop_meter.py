@@ -10,32 +10,35 @@ WINDOW = 2000  # the figures are those of the last so many
 
 
 class LoopMeter:
-    """Told of each stamp [ns] when it is sent, answered by a command, and acted on by the motors."""
+    """Told of each stamp [ns] when it is sent, when commands answer it, and when the motors act."""
 
-    def __init__(self):
-        self._sent: 'OrderedDict[int, int]' = OrderedDict()
+    def __init__(self) -> None:
+        self._sent: OrderedDict[int, int] = OrderedDict()
         self._acted_on = -1
-        self._answers, self._actions = deque(maxlen=WINDOW), deque(maxlen=WINDOW)  # [ns]
+        self._answers: deque[int] = deque(maxlen=WINDOW)  # [ns]
+        self._actions: deque[int] = deque(maxlen=WINDOW)  # [ns]
 
-    def sent(self, stamp: int):
+    def sent(self, stamp: int) -> None:
+        """The joint state of `stamp` goes out now."""
         self._sent[stamp] = time.monotonic_ns()
         if len(self._sent) > KEPT:
             self._sent.popitem(last=False)
 
-    def answered(self, stamp: int):
+    def answered(self, stamp: int) -> None:
+        """A command for `stamp` has come."""
         self._note(stamp, self._answers)
 
-    def acts(self, stamp: int):
-        """The period that begins now is under the commands for `stamp`; only the first such period counts."""
+    def acts(self, stamp: int) -> None:
+        """The period that begins now is under the commands for `stamp`; the first one counts."""
         if stamp != self._acted_on:
             self._acted_on = stamp
             self._note(stamp, self._actions)
 
-    def _note(self, stamp: int, times: deque):
+    def _note(self, stamp: int, times: deque[int]) -> None:
         if stamp in self._sent:
             times.append(time.monotonic_ns() - self._sent[stamp])
 
-    def figures(self) -> dict:
+    def figures(self) -> dict[str, float]:
         """p50 and p99 in ms, of those there are."""
         found = {}
         for name, times in (('command latency', self._answers), ('command applied', self._actions)):

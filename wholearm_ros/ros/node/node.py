@@ -1,10 +1,12 @@
-"""What every node of the graph shares: channels, refusals that do not kill, diagnostics, and a way to leave."""
+"""What every node of the graph shares: channels, refusals that do not kill, diagnostics."""
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
 from wholearm_ros.errors import WholeArmError
@@ -14,9 +16,8 @@ from wholearm_ros.ros.interface.messages import status_message
 from wholearm_ros.ros.interface.parameters import Declared, Parameters, survives_unknown_types
 from wholearm_ros.ros.node.measured_publisher import LongestPublish, MeasuredPublisher
 
-LEAVE_WITHIN = (
-    0.8  # [s] after SIGINT or SIGTERM; then the process ends whatever a callback is doing
-)
+# [s] after SIGINT or SIGTERM; then the process ends whatever a callback is doing.
+LEAVE_WITHIN = 0.8
 OK, WARN, ERROR, STALE = (
     DiagnosticStatus.OK,
     DiagnosticStatus.WARN,
@@ -37,7 +38,7 @@ class WholeArmNode(Node):
 
     leave_within = LEAVE_WITHIN
 
-    def __init__(self, name: str, declared):
+    def __init__(self, name: str, declared: Iterable[Declared]) -> None:
         super().__init__(name, namespace=channels.NAMESPACE)
         self.refused, self.longest_publish = 0, LongestPublish()  # messages, publish
         self.parameters = Parameters(
@@ -46,18 +47,20 @@ class WholeArmNode(Node):
         self._diagnostics = self.publisher(channels.DIAGNOSTICS)
         self.every(1.0 / self.parameters.diagnostics_rate, self.report)
 
-    def publisher(self, topic: channels.Topic):
+    def publisher(self, topic: channels.Topic) -> MeasuredPublisher:
+        """On `topic`, measured."""
         publisher = self.create_publisher(topic.type, topic.name, topic.qos)
         return MeasuredPublisher(publisher, topic, self.longest_publish)
 
-    def subscription(self, topic: channels.Topic, callback):
-        """`callback(message)`; a WholeArmError in it refuses the message: logged, counted, and that is all.
+    def subscription(self, topic: channels.Topic, callback: Callable[[Any], None]) -> Subscription:
+        """`callback(message)`; a WholeArmError in it refuses the message: logged and counted.
 
-        A JointState comes as a JointReading, read from the wire, and is not acknowledged: sent again, it would be old.
+        A JointState comes as a JointReading, read from the wire, and is not acknowledged: sent
+        again, it would be old.
         """
         raw = topic.type is JointState
 
-        def guarded(message):
+        def guarded(message: Any) -> None:
             try:
                 callback(read_joints(message) if raw else message)
             except WholeArmError as error:
@@ -66,24 +69,32 @@ class WholeArmNode(Node):
         qos = channels.NO_RESENDING if raw else topic.qos
         return self.create_subscription(topic.type, topic.name, guarded, qos, raw=raw)
 
-    def service(self, service: channels.Service, callback):
-        return self.create_service(service.type, service.name, callback)
+    def service(self, service: channels.Service, callback: Callable[[Any, Any], Any]) -> None:
+        """`callback(request, response)` answers `service`."""
+        self.create_service(service.type, service.name, callback)
 
-    def create_service(self, srv_type, srv_name, callback, **more):
+    def create_service(
+        self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], **more: Any
+    ) -> Any:
         """Those for parameters too, which rclpy makes."""
         return super().create_service(
             srv_type, srv_name, survives_unknown_types(srv_type, callback), **more
         )
 
-    def every(self, seconds: float, callback):
+    def every(self, seconds: float, callback: Callable[[], None]) -> None:
         """A timer on the machine's own clock: simulated time may stand still."""
-        return self.create_timer(seconds, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(seconds, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def refuse(self, reason: str):
+    def get_logger(self) -> Any:
+        """The node's own, which rclpy leaves without types."""
+        return super().get_logger()  # type: ignore[no-untyped-call]
+
+    def refuse(self, reason: str) -> None:
+        """Logged, at most once a second, and counted."""
         self.refused += 1
         self.get_logger().warning(reason, throttle_duration_sec=1.0)
 
-    def report(self):
+    def report(self) -> None:
         """One DiagnosticStatus on /diagnostics."""
         level, message, values = self.health()
         values.update({'refused messages': self.refused, **self.longest_publish.figures()})
@@ -93,16 +104,16 @@ class WholeArmNode(Node):
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
 
-    def health(self):
+    def health(self) -> Health:
         """(level, message, values) for /diagnostics."""
         return OK, 'running', {}
 
-    def parameters_changed(self):
+    def parameters_changed(self) -> None:
         """After a set of parameters was accepted."""
 
     def finished(self) -> bool:
         """Whether the node has done what it was started for."""
         return False
 
-    def leave(self):
+    def leave(self) -> None:
         """On the way out, while the middleware still works: make the hand safe, close files."""

@@ -1,11 +1,12 @@
-"""Runs a node as a process of its own, from its first line to its exit code, and ends it in time on a signal."""
+"""A node as a process of its own, from the first line to the exit code; signals end it in time."""
 
 import gc
 import os
 import signal
 import sys
 import threading
-from typing import Callable, Optional, Sequence
+from collections.abc import Callable
+from typing import Optional
 
 import rclpy
 from rclpy.executors import Executor
@@ -23,11 +24,12 @@ EXIT_WITHIN = 2  # [s] for the interpreter to end by itself, then the kernel end
 
 
 class Ending:
-    """Notices SIGINT and SIGTERM whatever the main thread is doing, and ends the process when that takes too long.
+    """Notices SIGINT and SIGTERM whatever the main thread is doing, and ends the process in time.
 
-    rclpy's handlers would shut the middleware down at once; here the node still publishes on its way out. Python runs
-    handlers only between two lines of the main thread, which may be compiling or deep in the middleware, so a thread
-    waits for what the interpreter writes into a pipe when a signal arrives.
+    rclpy's handlers would shut the middleware down at once; here the node still publishes on its
+    way out. Python runs handlers only between two lines of the main thread, which may be compiling
+    or deep in the middleware, so a thread waits for what the interpreter writes into a pipe when a
+    signal arrives.
     """
 
     def __init__(self) -> None:
@@ -56,10 +58,13 @@ class Ending:
 
 def run_node(
     make_node: Callable[[], WholeArmNode],
-    args: Optional[Sequence[str]] = None,
+    args: Optional[list[str]] = None,
     make_executor: Callable[[], Executor] = EventsExecutor,
 ) -> int:
-    """Spin the node until SIGINT or SIGTERM; the exit code: 0, or 2 when it cannot start as configured."""
+    """Spin the node until SIGINT or SIGTERM.
+
+    The exit code: 0, or 2 when it cannot start as configured.
+    """
     ending, transport = Ending(), choose_transport()
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)

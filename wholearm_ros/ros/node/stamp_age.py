@@ -2,16 +2,16 @@
 
 from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
 
-WINDOW = (
-    NANOSECONDS // 2
-)  # [ns]; the freshest message of this one and the window before counts as new
+# [ns]; the freshest message of this window and the one before counts as new.
+WINDOW = NANOSECONDS // 2
 
 
 class StampAge:
     """Age against the freshest message of the last while.
 
-    Clocks of two machines differ, and stamps of a hand in real time may fall behind the clock for good; both shift all
-    stamps alike. What is late beside its neighbours waited on its way or in this process.
+    Clocks of two machines differ, and stamps of a hand in real time may fall behind the clock for
+    good; both shift all stamps alike. What is late beside its neighbours waited on its way or in
+    this process.
     """
 
     def __init__(self) -> None:

@@ -1,7 +1,9 @@
-"""What RViz and Foxglove draw: the object, the palm, contacts with their normals, the plan as ghosts. All in the palm's
-frame, so that nothing needs to be configured."""
+"""Markers for RViz and Foxglove: the object, the palm, contacts with their normals, ghosts.
 
-from typing import List
+All of them are in the palm's frame, so that nothing needs to be configured.
+"""
+
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from geometry_msgs.msg import Point
@@ -11,7 +13,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface.channels import PALM_FRAME
+from wholearm_ros.simulation.contact_point import ContactPoint
 
+Colour = tuple[float, float, float, float]  # red, green, blue, opacity
 LINE, THIN = 0.002, 0.0006  # [m]
 NORMAL_LENGTH = 0.03  # [m]
 GHOSTS = 8  # poses of the plan that are drawn
@@ -20,7 +24,9 @@ OBJECT_COLOUR, PALM_COLOUR = (0.95, 0.6, 0.1, 1.0), (0.5, 0.5, 0.5, 1.0)
 CONTACT_COLOUR, GHOST_COLOUR = (0.9, 0.1, 0.1, 1.0), (0.3, 0.6, 0.9, 0.5)
 
 
-def state_markers(scenario: Scenario, pose: np.ndarray, contacts) -> MarkerArray:
+def state_markers(
+    scenario: Scenario, pose: np.ndarray, contacts: Sequence[ContactPoint]
+) -> MarkerArray:
     """The object at `pose` (3,), the palm and the contacts now."""
     markers = [
         _line('object', 0, _outline(scenario, pose), LINE, OBJECT_COLOUR),
@@ -46,7 +52,7 @@ def plan_markers(scenario: Scenario, trajectory: ManipulationTrajectory) -> Mark
     )
 
 
-def _outline(scenario: Scenario, pose) -> np.ndarray:
+def _outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
     """(n + 1, 2) [m]: the polygon at `pose`, closed."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     turned = (
@@ -55,7 +61,7 @@ def _outline(scenario: Scenario, pose) -> np.ndarray:
     return np.vstack([turned, turned[:1]])
 
 
-def _marker(namespace: str, number: int, kind: int, colour) -> Marker:
+def _marker(namespace: str, number: int, kind: int, colour: Colour) -> Marker:
     marker = Marker(
         ns=namespace,
         id=number,
@@ -68,14 +74,14 @@ def _marker(namespace: str, number: int, kind: int, colour) -> Marker:
     return marker
 
 
-def _line(namespace: str, number: int, points, width: float, colour) -> Marker:
+def _line(namespace: str, number: int, points: np.ndarray, width: float, colour: Colour) -> Marker:
     marker = _marker(namespace, number, Marker.LINE_STRIP, colour)
     marker.scale.x = width
     marker.points = _points(points)
     return marker
 
 
-def _arrow(number: int, tail, tip) -> Marker:
+def _arrow(number: int, tail: np.ndarray, tip: np.ndarray) -> Marker:
     marker = _marker('contacts', number, Marker.ARROW, CONTACT_COLOUR)
     marker.scale.x, marker.scale.y = LINE, 2 * LINE  # shaft and head diameter
     marker.points = _points([tail, tip])
@@ -88,5 +94,5 @@ def _gone(namespace: str, number: int) -> Marker:
     return marker
 
 
-def _points(rows) -> List[Point]:
+def _points(rows: Iterable[np.ndarray]) -> list[Point]:
     return [Point(x=float(x), y=float(y)) for x, y in rows]

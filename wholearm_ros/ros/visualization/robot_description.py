@@ -1,9 +1,10 @@
 """The hand as URDF: palm, both fingers and their joints, made from the scenario."""
 
+from collections.abc import Iterator
 from math import atan2
 from xml.sax.saxutils import quoteattr
 
-from wholearm_ros.model.hand import JOINT_NAMES, SIDES
+from wholearm_ros.model.hand import JOINT_NAMES, SIDES, Finger
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.ros.interface.channels import FINGER_FRAMES, PALM_FRAME
 
@@ -25,7 +26,7 @@ def urdf(scenario: Scenario) -> str:
     return '\n'.join([*parts, '</robot>', ''])
 
 
-def _palm_slabs(scenario: Scenario):
+def _palm_slabs(scenario: Scenario) -> Iterator[str]:
     vertices = scenario.palm.vertices
     for a, b in zip(vertices[:-1], vertices[1:]):
         along = b - a
@@ -34,20 +35,21 @@ def _palm_slabs(scenario: Scenario):
         x, y = (a + b) / 2 - [normal[0] * 0.005, normal[1] * 0.005]
         yield _box(
             f'{x:.6g} {y:.6g} 0',
-            _atan2(along),
+            atan2(along[1], along[0]),
             f'{length:.6g} 0.01 {2 * THICKNESS:.6g}',
             '0.6 0.6 0.6 1',
         )
 
 
-def _finger(finger, joint: str, frame: str):
+def _finger(finger: Finger, joint: str, frame: str) -> list[str]:
     low, high = finger.angle_limits
     centre = finger.length / 2
     across = finger.inertia - finger.mass * centre**2
     return [
         f'<link name="{frame}">',
         f'<inertial><origin xyz="{centre:.6g} 0 0"/><mass value="{finger.mass:.6g}"/>'
-        f'<inertia ixx="1e-5" iyy="{across:.6g}" izz="{across:.6g}" ixy="0" ixz="0" iyz="0"/></inertial>',
+        f'<inertia ixx="1e-5" iyy="{across:.6g}" izz="{across:.6g}" ixy="0" ixz="0" iyz="0"/>'
+        '</inertial>',
         _box(
             f'{centre:.6g} 0 0',
             0.0,
@@ -55,9 +57,11 @@ def _finger(finger, joint: str, frame: str):
             '0.2 0.4 0.8 1',
         ),
         '</link>',
-        f'<joint name="{joint}" type="revolute"><parent link="{PALM_FRAME}"/><child link="{frame}"/>'
+        f'<joint name="{joint}" type="revolute">'
+        f'<parent link="{PALM_FRAME}"/><child link="{frame}"/>'
         f'<origin xyz="{finger.axis[0]:.6g} {finger.axis[1]:.6g} 0"/><axis xyz="0 0 1"/>'
-        f'<limit lower="{low:.6g}" upper="{high:.6g}" effort="{finger.torque_limit:.6g}" velocity="{MAX_SPEED}"/>'
+        f'<limit lower="{low:.6g}" upper="{high:.6g}" effort="{finger.torque_limit:.6g}" '
+        f'velocity="{MAX_SPEED}"/>'
         '</joint>',
     ]
 
@@ -69,7 +73,3 @@ def _box(xyz: str, yaw: float, size: str, colour: str) -> str:
         f'<visual>{shape}<material name="{name}"><color rgba="{colour}"/></material></visual>'
         f'<collision>{shape}</collision>'
     )
-
-
-def _atan2(v) -> float:
-    return atan2(v[1], v[0])
