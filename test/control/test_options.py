@@ -17,4 +17,5 @@ def test_the_shipped_parameters_are_the_defaults():
         'ramp': options.ramp,
         'handover': options.handover,
         'max_tracking_error': options.max_tracking_error,
+        'stop_outside': options.stop_outside,
     }

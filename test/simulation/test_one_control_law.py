@@ -1,11 +1,14 @@
 """What is verified is what is run: the compiled rollout and the closed loop without ROS give the same commands."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from problems import ASYMMETRIC, REGULAR
 
 from wholearm_ros.control.mode_switch import course_of
 from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.band import Band
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.rollout.perturbed_samples import (
@@ -56,7 +59,30 @@ def test_both_stop_on_the_same_tracking_error(planned):
     controls = ControlOptions(max_tracking_error=0.005)
     rolled, record = both(*planned, 2.0, 0, controls)
     stopped = record.modes.index('stopped')
-    assert f'{rolled.stopped:+.3f} rad' in record.reason
+    assert f'{rolled.switch.error:+.3f} rad' in record.reason
+    np.testing.assert_allclose(
+        rolled.commands[:stopped], record.efforts[:stopped], atol=1e-9, rtol=0.0
+    )
+
+
+def narrow(trajectory, planned_angles):
+    """The trajectory with a band of 1 mrad round what one run did."""
+    period = 0.02
+    rows = planned_angles[:: int(period * 1000)]
+    return replace(trajectory, band=Band(period, rows - 0.001, rows + 0.001, 0.02))
+
+
+def test_both_stop_where_the_same_run_leaves_its_band(planned):
+    """A band round the nominal run, and another sample: the same segment, time and residuals, and the same commands until then."""
+    scenario, trajectory = planned
+    controls = ControlOptions(stop_outside=True)
+    nominal = run(scenario, trajectory, backend='planar', settle=SETTLE)
+    ramp = int(round(1000 * controls.ramp))
+    rolled, record = both(scenario, narrow(trajectory, nominal.angles[ramp:]), 2.0, 0, controls)
+    outside, stopped = rolled.switch.outside, record.modes.index('stopped')
+    assert rolled.stopped and rolled.switch.error == 0.0
+    assert f't = {outside.deviated:.2f} s' in record.reason and record.reason == record.deviated
+    assert f'{outside.left:+.3f} rad' in record.reason and f'{outside.right:+.3f}' in record.reason
     np.testing.assert_allclose(
         rolled.commands[:stopped], record.efforts[:stopped], atol=1e-9, rtol=0.0
     )

@@ -1,6 +1,7 @@
 """The document wholearm-trajectory/2: whatever is damaged or inconsistent is refused."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from problems import ASYMMETRIC
 
 from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.band import Band
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planning.routes import plan
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
@@ -97,3 +99,31 @@ def test_an_inconsistent_document_is_refused(change):
 def test_what_is_no_trajectory_document_is_refused(text):
     with pytest.raises(DocumentError):
         ManipulationTrajectory.from_json(text)
+
+
+BAND = Band(0.02, np.zeros((3, 2)), np.ones((3, 2)), 0.2)
+
+
+def test_a_band_is_read_back_and_a_document_without_one_has_none():
+    read = ManipulationTrajectory.from_json(replace(MADE, band=BAND).to_json()).band
+    np.testing.assert_array_equal([read.low, read.high], [BAND.low, BAND.high])
+    assert (read.period, read.patience) == (BAND.period, BAND.patience)
+    assert ManipulationTrajectory.from_json(TEXT).band is None
+
+
+@pytest.mark.parametrize(
+    'change',
+    [
+        {'low': [[0.0, 0.0]]},
+        {'low': [[2.0, 0.0]] * 3},
+        {'high': [[1.0]] * 3},
+        {'period': 0.0},
+        {'period': None},
+        {'patience': -1.0},
+        {'patience': 'long'},
+    ],
+)
+def test_a_damaged_band_is_refused(change):
+    document = {**DOCUMENT, 'band': {**BAND.to_dict(), **change}}
+    with pytest.raises(DocumentError, match='band'):
+        ManipulationTrajectory.from_json(json.dumps(document))

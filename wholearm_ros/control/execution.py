@@ -9,10 +9,9 @@ from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch, Sw
 from wholearm_ros.control.probing import Probing, ProbingState
 from wholearm_ros.control.setpoints import ControlOptions, Joints
 from wholearm_ros.model.probe import Probe
-from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 
 PROBING = 'probing'
-LAST_INSTANTS = 0.05  # [s] before the object is let go
 
 
 class Execution:
@@ -35,7 +34,6 @@ class Execution:
         self.state: SwitchState = self._switch.initial()
         self.felt: Optional[ProbingState] = None
         self._ended: Optional[float] = None
-        self._deviation, self._checkpoints = 0.0, checkpoints(trajectory)
         self.mode, self.over = IDLE, False
 
     def step(self, now: float, joints: Joints) -> tuple:
@@ -43,7 +41,6 @@ class Execution:
         if self.felt is not None and self.state.mode != STOPPED:
             return self._probe(now, joints)
         self.state, motion, torque = self._switch.step(self.state, now, joints)
-        self._track(joints)
         ended = self.state.mode in (DONE, STOPPED)
         if ended and self._ended is None:
             self._ended = now
@@ -65,13 +62,6 @@ class Execution:
         self.over = self.felt.over
         self.mode = DONE if self.over else PROBING
         return motion, torque
-
-    def _track(self, joints: Joints) -> None:
-        now = self.state.elapsed
-        if any(start <= now < end for start, end in self._checkpoints):
-            planned = self.trajectory.sample(self.state.elapsed).angles
-            off = max(abs(float(joints.angles[k] - planned[k])) for k in range(2))
-            self._deviation = max(self._deviation, off)
 
     def stop(self, joints: Joints, reason: str) -> None:
         """On request: the fingers hold the object where that is possible."""
@@ -112,24 +102,16 @@ class Execution:
 
     @property
     def deviation(self) -> float:
-        """[rad] largest of either finger from the plan at its checkpoints; infinite before the end, or when it has none."""
-        followed = bool(self._checkpoints) and self.state.progress >= 1.0
-        return self._deviation if followed else float('inf')
+        """0 when both fingers kept to the trajectory's band to its end, infinite when they did not, or nobody knows."""
+        kept = self.trajectory.band is not None and self.state.progress >= 1.0
+        return 0.0 if kept and not self.state.deviated else float('inf')
+
+    @property
+    def deviated(self) -> str:
+        """Where and how the fingers left the trajectory's band, '' when they did not."""
+        return self._switch.deviation(self.state)
 
     @property
     def time_left(self) -> float:
         """[s] until done, the probe not counted."""
         return max(0.0, self.trajectory.duration - self.state.elapsed + self._settle)
-
-
-def checkpoints(trajectory: ManipulationTrajectory) -> tuple:
-    """((start, end) [s], ...) at which both angles are determined and at rest, or nearly: the second half of each dwell, and
-    the last instants, before the object is first let go, by a dynamic or caging segment."""
-    bound: list = []
-    for segment in trajectory.segments:
-        if segment.mode not in (QUASI_STATIC, DWELL):
-            break
-        bound.append(segment)
-    halves = [((s.start + s.end) / 2, s.end) for s in bound if s.mode == DWELL]
-    last = [(max(bound[-1].start, bound[-1].end - LAST_INSTANTS), bound[-1].end)] if bound else []
-    return (*halves, *last)

@@ -16,11 +16,13 @@ from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
 
 IDLE, DONE, STOPPED = 'idle', 'done', 'stopped'
+NO_BAND = readonly(np.empty((0, 2)))
 HOLD_MARGIN = 0.2  # [N m] inside of the torque range when the fingers hold the object after a stop
 
 
 def course_of(trajectory: ManipulationTrajectory) -> Course:
     """A trajectory as the arrays of the switch law."""
+    band = trajectory.band
     return Course(
         trajectory.period,
         trajectory.angles,
@@ -28,6 +30,10 @@ def course_of(trajectory: ManipulationTrajectory) -> Course:
         trajectory.efforts,
         readonly([s.end for s in trajectory.segments]),
         readonly([s.velocity_finger for s in trajectory.segments], dtype=np.int64),
+        1.0 if band is None else band.period,
+        NO_BAND if band is None else band.low,
+        NO_BAND if band is None else band.high,
+        0.0 if band is None else band.patience,
     )
 
 
@@ -57,6 +63,11 @@ class SwitchState:
     def elapsed(self) -> float:
         """[s] along the trajectory, negative while ramping in."""
         return 0.0 if self.switch is None else self.switch.elapsed
+
+    @property
+    def deviated(self) -> bool:
+        """Whether a finger was out of the trajectory's band for longer than its patience."""
+        return self.switch is not None and bool(np.isfinite(self.switch.outside.deviated))
 
 
 class ModeSwitch:
@@ -146,14 +157,30 @@ class ModeSwitch:
             progress=min(max(switch.elapsed / duration, 0.0), 1.0),
             first_efforts=efforts,
         )
-        if switch.error != 0.0:
-            state = self.stop(
-                state,
-                joints,
-                f'tracking error of the velocity-controlled finger is {switch.error:+.3f} rad; '
-                f'allowed: {self.options.max_tracking_error} rad',
-            )
+        if switch.stops:
+            state = self.stop(state, joints, self._fault(state), hold=switch.error == 0.0)
         return state, motion, torque
+
+    def _fault(self, state: SwitchState) -> str:
+        """Why the switch law stops."""
+        if state.switch is not None and state.switch.error != 0.0:
+            return (
+                f'tracking error of the velocity-controlled finger is {state.switch.error:+.3f} rad; '
+                f'allowed: {self.options.max_tracking_error} rad'
+            )
+        return self.deviation(state)
+
+    def deviation(self, state: SwitchState) -> str:
+        """Where and how a finger left the band for longer than its patience, '' when none did."""
+        if state.switch is None or not state.deviated:
+            return ''
+        outside, segments = state.switch.outside, self.trajectory.segments
+        number = segments.index(self.trajectory.segment_at(outside.deviated))
+        return (
+            f'deviated in segment {number + 1} of {len(segments)} ({segments[number].mode}), '
+            f't = {outside.deviated:.2f} s: the left finger {outside.left:+.3f} rad, '
+            f'the right one {outside.right:+.3f} rad outside of the band'
+        )
 
     def _finger(self, state: SwitchState) -> int:
         """The velocity-controlled finger, the first one before the run began."""

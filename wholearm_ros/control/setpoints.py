@@ -48,6 +48,7 @@ class ControlOptions:
     ramp [s]: from the efforts and angles found at the start to the trajectory's first ones;
     handover [s]: in which a finger that becomes velocity-controlled is brought from where it is to where it should be;
     max_tracking_error [rad]: of the velocity-controlled finger; beyond it the run stops;
+    stop_outside: whether a run that has left its trajectory's band stops; else that is only said;
     stale_after [s]: age of the joint state beyond which the run stops.
     """
 
@@ -56,6 +57,7 @@ class ControlOptions:
     ramp: float = 0.3
     handover: float = 0.1
     max_tracking_error: float = 0.25
+    stop_outside: bool = False
     stale_after: float = 0.1
 
     def law(self, period: float) -> ControlLaw:
@@ -64,7 +66,7 @@ class ControlOptions:
 
     def switch_law(self) -> SwitchLaw:
         """What the mode switch obeys."""
-        return SwitchLaw(self.ramp, self.handover, self.max_tracking_error)
+        return SwitchLaw(self.ramp, self.handover, self.max_tracking_error, self.stop_outside)
 
 
 def readonly_pair(values) -> np.ndarray:

@@ -80,7 +80,7 @@ def run_trajectory(world, plant, law, switching, course, start, settle, record):
             count += 1
         _read(plant, n, q, v, angles, velocities)
         switch, motion, torque = switch_period(switching, course, start.efforts, switch, t, angles)
-        if switch.error != 0.0:
+        if switch.stops:
             break
         a, b = motion.joint, torque.joint
         commands[a] = pd_effort(law.gains, world.torque_limits[a], motion, angles[a], velocities[a])

@@ -16,16 +16,19 @@ NO_FINGER = -1  # before the first period
 
 
 class SwitchLaw(NamedTuple):
-    """ramp, handover [s]; max_tracking_error [rad] of the velocity-controlled finger, beyond which the run stops."""
+    """ramp, handover [s]; max_tracking_error [rad] of the velocity-controlled finger, beyond which the run stops;
+    stop_outside: whether a run that has deviated from its band stops, too."""
 
     ramp: float
     handover: float
     max_tracking_error: float
+    stop_outside: bool
 
 
 class Course(NamedTuple):
     """A trajectory as arrays. angles, velocities, efforts: (m, 2) every `period` [s]; ends: (s,) of its segments [s];
-    fingers: (s,) the velocity-controlled one in each."""
+    fingers: (s,) the velocity-controlled one in each; low, high: (k, 2) [rad] of its band every band_period [s], k = 0 for none;
+    patience [s]: how long a finger may be outside of it."""
 
     period: float
     angles: np.ndarray
@@ -33,12 +36,27 @@ class Course(NamedTuple):
     efforts: np.ndarray
     ends: np.ndarray
     fingers: np.ndarray
+    band_period: float
+    low: np.ndarray
+    high: np.ndarray
+    patience: float
+
+
+class Outside(NamedTuple):
+    """since [s]: when a finger left the band, infinite while both are inside; deviated [s]: along the trajectory, when it had
+    been outside for longer than the patience for the first time, infinite before; left, right [rad]: how far outside then."""
+
+    since: float
+    deviated: float
+    left: float
+    right: float
 
 
 class Switch(NamedTuple):
     """began [s]: when the ramp began; elapsed [s]: along the trajectory, negative while ramping in; segment: its number;
     finger: the velocity-controlled one; handed_over [s]: when it took over, offset [rad]: how far it was from the plan then;
-    error [rad]: the tracking error on which the run stops, 0 while it goes on."""
+    error [rad]: the tracking error on which the run stops, 0 while it goes on; outside: of the band; stops: whether the run
+    ends here."""
 
     began: float
     elapsed: float
@@ -47,18 +65,21 @@ class Switch(NamedTuple):
     handed_over: float
     offset: float
     error: float
+    outside: Outside
+    stops: bool
 
 
 def switch_at(began, finger):
     """The switch before its first period. began [s]; finger: the velocity-controlled one so far, NO_FINGER for none."""
-    return Switch(began, 0.0, 0, finger, -math.inf, 0.0, 0.0)
+    outside = Outside(math.inf, math.inf, 0.0, 0.0)
+    return Switch(began, 0.0, 0, finger, -math.inf, 0.0, 0.0, outside, False)
 
 
 def switch_period(law, course, first_efforts, switch, t, angles):
     """(next switch, VelocitySetpoint, TorqueSetpoint) at time t [s] for measured angles (2,) [rad].
 
     The plan's sample, ramped in from the efforts found at the start, first_efforts (2,) [N m]; a finger that becomes
-    velocity-controlled is led from where it is to where it should be. With an `error` in it the setpoints do not count.
+    velocity-controlled is led from where it is to where it should be. When it stops the setpoints do not count.
     """
     elapsed = t - switch.began - law.ramp
     segment = switch.segment
@@ -82,8 +103,36 @@ def switch_period(law, course, first_efforts, switch, t, angles):
     error = angles[finger] - motion.angle
     if abs(error) <= law.max_tracking_error:
         error = 0.0
-    after = Switch(switch.began, elapsed, segment, finger, handed_over, offset, error)
+    outside = watch_band(course, switch.outside, elapsed, t, angles)
+    stops = error != 0.0 or (law.stop_outside and outside.deviated < math.inf)
+    after = Switch(
+        switch.began, elapsed, segment, finger, handed_over, offset, error, outside, stops
+    )
     return after, motion, torque
+
+
+def watch_band(course, before, elapsed, t, angles):
+    """The monitor: `Outside` after the one before, at time t [s], `elapsed` [s] along the course, for measured angles (2,)."""
+    left, right = _excess(course, elapsed, angles, 0), _excess(course, elapsed, angles, 1)
+    if left == 0.0 and right == 0.0:
+        return Outside(math.inf, before.deviated, before.left, before.right)
+    since = min(before.since, t)
+    if before.deviated < math.inf or t - since <= course.patience:
+        return Outside(since, before.deviated, before.left, before.right)
+    return Outside(since, elapsed, left, right)
+
+
+def _excess(course, elapsed, angles, finger):
+    """How far [rad] a finger is above (positive) or below (negative) the band; 0 inside, and where there is none."""
+    last = course.low.shape[0] - 1
+    s = elapsed / course.band_period
+    if not 0.0 <= s <= last:
+        return 0.0
+    i = min(int(s), last - 1)
+    u = s - i
+    low = (1 - u) * course.low[i, finger] + u * course.low[i + 1, finger]
+    high = (1 - u) * course.high[i, finger] + u * course.high[i + 1, finger]
+    return min(angles[finger] - low, 0.0) + max(angles[finger] - high, 0.0)
 
 
 def planned_angle(course, elapsed, finger):

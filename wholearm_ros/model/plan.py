@@ -10,6 +10,7 @@ import numpy as np
 
 from wholearm_ros.errors import DocumentError, ScenarioError
 from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.band import Band
 from wholearm_ros.model.certificate import Certificate
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
@@ -134,6 +135,7 @@ class ContactPlan:
     cost: dict[str, Any] = field(default_factory=dict)
     execution: dict[str, Any] = field(default_factory=dict)
     certificate: Certificate | None = None
+    band: Band | None = None
 
     @property
     def found(self) -> bool:
@@ -188,6 +190,7 @@ class ContactPlan:
             'cost': self.cost,
             'execution': self.execution,
             **({'certificate': self.certificate.to_dict()} if self.certificate else {}),
+            **({'band': self.band.to_dict()} if self.band else {}),
         }
 
     @classmethod
@@ -228,4 +231,5 @@ class ContactPlan:
             d['cost'],
             d['execution'],
             Certificate(**d['certificate']) if d.get('certificate') else None,
+            Band.from_dict(d['band']) if d.get('band') else None,
         )

@@ -7,6 +7,7 @@ import numpy as np
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.band import Band
 from wholearm_ros.model.hand import JOINT_NAMES, SIDES
 from wholearm_ros.model.interpolation import hermite
 from wholearm_ros.model.probe import Probe
@@ -58,6 +59,7 @@ class ManipulationTrajectory:
     poses: (m, 3) planned object pose, centroid [m] and rotation [rad].
     segments: in order, without gaps, from 0 to the last sample's time.
     probe: the motion that feels what came of it, None for none.
+    band: of the finger angles in the rollouts that ended at the goal, None when it is not known.
     """
 
     plan_id: str
@@ -72,6 +74,7 @@ class ManipulationTrajectory:
     verification: dict | None = None
     notes: dict = field(default_factory=dict)
     probe: Probe | None = None
+    band: Band | None = None
 
     def __post_init__(self):
         for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2), ('poses', 3)):
@@ -148,6 +151,7 @@ class ManipulationTrajectory:
                 'verification': self.verification,
                 'notes': self.notes,
                 'probe': None if self.probe is None else self.probe.to_dict(),
+                **({} if self.band is None else {'band': self.band.to_dict()}),
             },
             separators=(',', ':'),
             allow_nan=False,
@@ -192,6 +196,7 @@ class ManipulationTrajectory:
                 None
                 if d['format'] != FORMAT or d['probe'] is None
                 else Probe.from_dict(d['probe']),
+                None if d.get('band') is None else Band.from_dict(d['band']),
             )
         except DocumentError:
             raise

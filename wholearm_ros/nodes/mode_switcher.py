@@ -17,6 +17,7 @@ from wholearm_ros.ros.interface.common_parameters import (
     MAX_TRACKING_ERROR,
     PACING,
     RAMP,
+    STOP_OUTSIDE,
     switch_options_of,
 )
 from wholearm_ros.ros.interface.messages import (
@@ -39,6 +40,7 @@ DECLARED = (
     RAMP,
     HANDOVER,
     MAX_TRACKING_ERROR,
+    STOP_OUTSIDE,
     replace(DIAGNOSTICS_RATE, default=10.0),
     Declared('settle', 0.5, 'how long the end is held before the mode says done [s]', 0.0, 60.0),
     Declared(
@@ -244,6 +246,7 @@ class ModeSwitcher(WholeArmNode):
             'pairs': felt_pairs(run),
             'interrupted': run.interrupted if run else '',
             'deviation': run.deviation if run else '',
+            'deviated': run.deviated if run else '',
         }
 
     def health(self):

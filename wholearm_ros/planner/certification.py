@@ -7,13 +7,13 @@ from wholearm_ros.planner.evaluation import Candidate
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.stopwatch import VERIFY, Stopwatch
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
-from wholearm_ros.rollout.verification import parallel_rollouts
+from wholearm_ros.rollout.verification import Rollout, parallel_rollouts
 
 STREAM = 59  # of the random numbers: apart from those of the samples that candidates are chosen on
 
 
 class Certification:
-    """best: the best certificate so far, or None; refused: how many candidates were not good enough."""
+    """best: the best certificate so far, or None; refused: how many candidates were not good enough; rollouts: of the last one."""
 
     def __init__(
         self, scenario: Scenario, request: PlanRequest, controls: ControlOptions, watch: Stopwatch
@@ -21,6 +21,7 @@ class Certification:
         self.scenario, self.request, self.controls, self.watch = scenario, request, controls, watch
         self.best: Certificate | None = None
         self.refused = 0
+        self.rollouts: list[Rollout] = []
 
     @property
     def given_up(self) -> bool:
@@ -40,7 +41,7 @@ class Certification:
 
     def _run(self, candidate: Candidate) -> Certificate:
         """As many samples as were asked for; fewer when the bound is out of reach or the time is spent."""
-        r, done, survived = self.request, 0, 0
+        r, self.rollouts = self.request, []
         samples = build_perturbed_samples(
             self.scenario,
             r.certificate_samples,
@@ -48,7 +49,8 @@ class Certification:
             (r.seed, STREAM, self.refused),
         )[1:]
         for rollout in parallel_rollouts(candidate.trajectory, samples, self.controls):
-            done, survived = done + 1, survived + rollout.success
+            self.rollouts.append(rollout)
+            done, survived = len(self.rollouts), sum(r.success for r in self.rollouts)
             possible = survived + r.certificate_samples - done
             if lower_bound(r.certificate_samples, possible) < r.min_success or self.watch.over():
                 break

@@ -16,6 +16,7 @@ from wholearm_ros.planner.evaluation import Candidate, Evaluation
 from wholearm_ros.planner.refinement import refine_transitions
 from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.planner.stopwatch import PLAN, Stopwatch
+from wholearm_ros.rollout.band import build_band
 
 Progress = Callable[[str], None]
 
@@ -79,18 +80,20 @@ def _certified(
 ) -> PlanResult | None:
     """The candidate, its transitions refined, with its certificate; None when it gets none."""
     best, request = refine_transitions(candidate, evaluation), evaluation.request
-    plan = best.plan
+    plan, rollouts = best.plan, list(best.verification.rollouts)
     if request.certificate_samples:
         certificate = certification.certify(best)
         if certificate is None:
             return None
         plan = replace(plan, certificate=certificate)
+        rollouts.extend(certification.rollouts)
+    plan = replace(plan, band=build_band(best.trajectory, rollouts))
     record = {
         **best.verification.to_dict(),
         'level': request.level,
         'candidates_tried': evaluation.tried,
     }
-    trajectory = replace(best.trajectory, plan_id=plan.id, verification=record)
+    trajectory = replace(best.trajectory, plan_id=plan.id, verification=record, band=plan.band)
     return PlanResult(plan, trajectory, evaluation.watch.timings, best.verification)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.kernels.rollout import Plant, Record, Start, run_trajectory
-from wholearm_ros.kernels.switch_law import Course
+from wholearm_ros.kernels.switch_law import Course, Switch
 from wholearm_ros.mechanics.world import World, build_world
 from wholearm_ros.model.configuration import JOINTS, SIZE
 from wholearm_ros.model.goal import GoalRegion, goal_region
@@ -33,7 +33,7 @@ class PerturbedSample:
 class Run:
     """times (r,) [s], configurations (r, 5); q, v (5,) at the end; the largest residual of the LCPs [m/s];
     stops_met: (2, 2) bool, whether the left and the right finger came to bear on its low and high end stop;
-    stopped: the tracking error [rad] on which the run stopped, 0 when it did not; commands: (c, 2) [N m] of the first periods.
+    switch: the mode switch at the end; commands: (c, 2) [N m] of the first periods.
     """
 
     times: np.ndarray
@@ -42,8 +42,13 @@ class Run:
     v: np.ndarray
     residual: float
     stops_met: np.ndarray
-    stopped: float
+    switch: Switch
     commands: np.ndarray
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the mode switch stopped the run."""
+        return bool(self.switch.stops)
 
 
 def build_perturbed_samples(
@@ -115,7 +120,7 @@ def follow_course(
         record.last_v,
         residual,
         record.stops_met,
-        switch.error,
+        switch,
         record.commands,
     )
 

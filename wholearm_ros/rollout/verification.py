@@ -108,7 +108,7 @@ def _stopped(run: Run, controls: ControlOptions) -> str:
     if not run.stopped:
         return ''
     return (
-        f'stopped: tracking error of the velocity-controlled finger is {run.stopped:+.3f} rad; '
+        f'stopped: tracking error of the velocity-controlled finger is {run.switch.error:+.3f} rad; '
         f'allowed: {controls.max_tracking_error} rad'
     )
 

@@ -34,7 +34,8 @@ class RunRecord:
     [rad, rad/s, N m]; poses, object_velocities: (m, 3) the truth [m, m, rad] and their rates;
     modes: (m,) names; reason: why the switch stopped, '' when it did not; truth: the scenario with
     the perturbation applied; pairs: (2,) each [rad], what the probe measured; interrupted: why it
-    ended early, '' when it did not; deviation [rad]: see `Execution.deviation`.
+    ended early, '' when it did not; deviated: where and how the fingers left the trajectory's
+    band, '' when they did not; deviation: see `Execution.deviation`.
     """
 
     times: np.ndarray
@@ -49,6 +50,7 @@ class RunRecord:
     perturbation: Perturbation
     pairs: tuple[np.ndarray, ...] = ()
     interrupted: str = ''
+    deviated: str = ''
     deviation: float = float('inf')
 
     def time_in_modes(self) -> dict[str, float]:
@@ -148,6 +150,7 @@ def lead(
         perturbation,
         execution.pairs,
         execution.interrupted,
+        execution.deviated,
         execution.deviation,
     )
 

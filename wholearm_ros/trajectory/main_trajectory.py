@@ -1,5 +1,7 @@
 """MAIN_TRAJECTORY: from a contact plan to the motion and torque of both fingers over time (III-B.5)."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from wholearm_ros.errors import DocumentError
@@ -35,14 +37,19 @@ def generate(
         raise DocumentError(
             f'plan {plan.id} has no route to execute ({plan.outcome}: {plan.reason})'
         )
+    band = (
+        None if options else plan.band
+    )  # it was measured on a trajectory of the plan's own options
     options = options or ExecutionOptions.from_dict(plan.execution)
     _require_fit(build_world(scenario), plan)
     if turns_clockwise(scenario):
         mirrored = scenario.mirrored()
-        return mirror_trajectory(
+        trajectory = mirror_trajectory(
             _generate(mirrored, mirror_plan(plan, mirrored), options, plan.id), scenario
         )
-    return _generate(scenario, plan, options, plan.id)
+    else:
+        trajectory = _generate(scenario, plan, options, plan.id)
+    return replace(trajectory, band=band)
 
 
 def _generate(scenario, plan, options, plan_id):

@@ -45,6 +45,12 @@ MAX_TRACKING_ERROR = Declared(
     3.2,
 )
 
+STOP_OUTSIDE = Declared(
+    'stop_outside',
+    _DEFAULTS.stop_outside,
+    "whether a run that has left its trajectory's band stops; else that is only said",
+)
+
 
 def scenario_of(parameters: Parameters) -> Scenario:
     """The scenario that `scenario` names. Raises ScenarioError."""
@@ -62,4 +68,5 @@ def switch_options_of(parameters: Parameters) -> ControlOptions:
         ramp=parameters.ramp,
         handover=parameters.handover,
         max_tracking_error=parameters.max_tracking_error,
+        stop_outside=parameters.stop_outside,
     )
