@@ -24,7 +24,9 @@ DRAWS = 3
 
 @pytest.fixture(scope='module', params=[ASYMMETRIC, REGULAR], ids=lambda s: s.name)
 def planned(request):
-    return request.param, plan_and_verify(request.param, PlanRequest(samples=2)).trajectory
+    return request.param, plan_and_verify(
+        request.param, PlanRequest(samples=2, certificate_samples=0, time_budget=3600.0)
+    ).trajectory
 
 
 def both(scenario, trajectory, level, draw, controls=ControlOptions()):
