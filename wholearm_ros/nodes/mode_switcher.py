@@ -145,8 +145,10 @@ class ModeSwitcher(WholeArmNode):
 
     def on_joints(self, message):
         stamp, joints = to_joints(message)
-        self.heard = time.monotonic()
-        if stamp == self.stamp:
+        repeated = stamp == self.stamp
+        if self.lockstep or not repeated:  # in real time the same state again is as good as silence
+            self.heard = time.monotonic()
+        if repeated:
             self.repeat()
             return
         before, backwards = self.joints, stamp < self.stamp

@@ -2,28 +2,23 @@
 
 from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
 
-# [ns]; the freshest message of this window and the one before counts as new.
-WINDOW = NANOSECONDS // 2
+SLOWEST = 0.5  # of real time: a sender whose stamps advance at least so fast is slow, not late
 
 
 class StampAge:
-    """Age against the freshest message of the last while.
+    """Age against the freshest message so far, whose lag is taken to grow all the time.
 
-    Clocks of two machines differ, and stamps of a hand in real time may fall behind the clock for
-    good; both shift all stamps alike. What is late beside its neighbours waited on its way or in
-    this process.
+    Clocks of two machines differ, which shifts all stamps alike; and the stamps of a simulated hand on a machine that
+    cannot keep up fall behind the clock little by little, though every state is new when it is sent. A message that
+    comes later than both explain has waited on its way or in this process.
     """
 
     def __init__(self) -> None:
-        self._began = self._before = self._least = 0  # [ns] window's begin, least lags
-        self._empty = True
+        self._usual, self._before = float('inf'), 0  # [ns] lag that is explained; when that was
 
     def __call__(self, stamp: int, now: int) -> float:
         """[s]; `stamp` [ns] of the sender's clock, `now` [ns] of ours."""
         lag = now - stamp
-        if self._empty:
-            self._began, self._before, self._least, self._empty = now, lag, lag, False
-        elif now - self._began > WINDOW:
-            self._began, self._before, self._least = now, self._least, lag
-        self._least = min(self._least, lag)
-        return (lag - min(self._before, self._least)) / NANOSECONDS
+        self._usual = min(lag, self._usual + (1.0 - SLOWEST) * (now - self._before))
+        self._before = now
+        return (lag - self._usual) / NANOSECONDS
