@@ -1,1 +1,1 @@
-"""From a scenario to a plan and a trajectory that survive simulation: the one call that joins both phases."""
+"""From a scenario to a certified plan and its trajectory: the call that joins both phases."""

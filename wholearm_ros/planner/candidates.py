@@ -1,4 +1,4 @@
-"""Candidates: the routes of a task, and the ways in which each may be executed."""
+"""Candidates: the routes of a scenario, and the ways in which each may be executed."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ from itertools import product
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import DWELL, DYNAMIC
 from wholearm_ros.planner.request import PlanRequest
-from wholearm_ros.planning.primitive_tree import STYLES
+from wholearm_ros.planning.primitive_candidates import STYLES
 from wholearm_ros.planning.routes import PrimitiveRoutes, Routes, SearchOptions, make_routes
 from wholearm_ros.trajectory.execution_options import AUTO, FRONT, REAR, ExecutionOptions
 
@@ -29,7 +29,9 @@ DYNAMIC_TRANSITIONS = (
 
 @dataclass(frozen=True, eq=False)
 class RouteSource:
-    """Where routes come from: `open()` begins the search; executions: the ways to try each route in."""
+    """Where routes come from: `open()` begins the search; executions: options with which each route
+    is tried, the most promising first.
+    """
 
     open: Callable[[], Routes]
     executions: tuple[ExecutionOptions, ...]
@@ -38,7 +40,10 @@ class RouteSource:
 def route_sources(
     scenario: Scenario, request: PlanRequest, stop: Callable[[], bool]
 ) -> Iterator[RouteSource]:
-    """Arcs first; then dynamic primitives, in one style of sweeps after the other. stop: whether to give up."""
+    """Routes of arcs, then routes of dynamic primitives, one style of sweeps after the other.
+
+    stop: whether to give up.
+    """
     options = SearchOptions(request.search, request.seed, request.limit, request.moves)
     yield RouteSource(partial(make_routes, scenario, options, stop), arc_executions(request))
     for style in STYLES if request.moves else ():
@@ -49,14 +54,15 @@ def route_sources(
 
 
 def arc_executions(request: PlanRequest) -> tuple[ExecutionOptions, ...]:
-    """Ways to execute a route of arcs; a dynamic transition needs one velocity finger on both its sides.
+    """Ways to execute a route of arcs; a dynamic transition needs one velocity finger throughout.
 
-    Where all of these fail another route does better than another way: of 21 offered plans that were looked at none had the
-    front finger velocity-controlled throughout, or a dynamic transition."""
-    if request.transition == DYNAMIC:
-        transitions, margins, fingers = transition_options(DYNAMIC), (0.5, 3.5), (FRONT, REAR, AUTO)
-    else:
-        transitions, margins, fingers = transition_options(DWELL), (0.5,), (AUTO, REAR)
+    Where all of these fail, another route does better than another way: of 21 plans looked at, none
+    had the front finger velocity-controlled throughout, or a dynamic transition.
+    """
+    dynamic = request.transition == DYNAMIC
+    transitions = transition_options(DYNAMIC if dynamic else DWELL)
+    margins = (0.5, 3.5) if dynamic else (0.5,)
+    fingers = (FRONT, REAR, AUTO) if dynamic else (AUTO, REAR)
     return tuple(
         replace(
             transition,
@@ -72,7 +78,9 @@ def arc_executions(request: PlanRequest) -> tuple[ExecutionOptions, ...]:
 
 
 def transition_options(wanted: str) -> tuple[ExecutionOptions, ...]:
-    """What to do where the torque ranges part: stop (dwell), or start the extra torque early enough (dynamic)."""
+    """Ways to cross between torque ranges that part: stop (dwell), or begin the extra torque early
+    enough (dynamic). wanted: DWELL, DYNAMIC or AUTO.
+    """
     dwell = (ExecutionOptions(transition=DWELL),)
     dynamic = tuple(
         ExecutionOptions(transition=DYNAMIC, extra_torque=extra, dynamic_lead=lead)

@@ -1,4 +1,6 @@
-"""Certification: a chosen candidate is run on fresh samples of its own, and offered when its bound is good enough."""
+"""Certification: a chosen candidate is run on fresh samples and given a certificate when the bound
+of its success rate is good enough.
+"""
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.certificate import Certificate, certificate, lower_bound
@@ -13,11 +15,13 @@ STREAM = 59  # of the random numbers: apart from those of the samples that candi
 
 
 class Certification:
-    """best: the best certificate so far, or None; refused: how many candidates were not good enough; rollouts: of the last one."""
+    """best: the best certificate so far, or None; refused: how many candidates were refused;
+    rollouts: those of the last candidate.
+    """
 
     def __init__(
         self, scenario: Scenario, request: PlanRequest, controls: ControlOptions, watch: Stopwatch
-    ):
+    ) -> None:
         self.scenario, self.request, self.controls, self.watch = scenario, request, controls, watch
         self.best: Certificate | None = None
         self.refused = 0
@@ -29,7 +33,9 @@ class Certification:
         return self.refused >= self.request.certifications
 
     def certify(self, candidate: Candidate) -> Certificate | None:
-        """Its certificate, or None when its bound is below `min_success`; with every refusal others are drawn next time."""
+        """Its certificate, or None when its bound is below `min_success`; every refusal changes the
+        samples of the next call.
+        """
         with self.watch.stage(VERIFY):
             found = self._run(candidate)
         if self.best is None or found.lower_bound > self.best.lower_bound:
@@ -40,7 +46,9 @@ class Certification:
         return None
 
     def _run(self, candidate: Candidate) -> Certificate:
-        """As many samples as were asked for; fewer when the bound is out of reach or the time is spent."""
+        """On as many samples as were asked for; on fewer when the bound is out of reach, or the
+        time is spent.
+        """
         r, self.rollouts = self.request, []
         samples = build_perturbed_samples(
             self.scenario,

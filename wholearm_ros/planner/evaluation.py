@@ -1,4 +1,6 @@
-"""Evaluation: success rates of candidates over perturbed rollouts, stopped early, and the best candidate so far."""
+"""Evaluation: success rates of candidates over perturbed rollouts, with early stopping, and the
+best candidate so far.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -22,7 +24,7 @@ AWAY = 0.1  # [rad] from the planned rotation: a rollout that is further from it
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A plan with one way to execute it, the trajectory made of it, and how that fared."""
+    """A plan with one way to execute it, the trajectory made of it, and its rollouts."""
 
     plan: ContactPlan
     trajectory: ManipulationTrajectory
@@ -30,11 +32,15 @@ class Candidate:
 
     @property
     def success_rate(self) -> float:
+        """Share of its rollouts that end at the goal."""
         return self.verification.success_rate
 
 
 class Evaluation:
-    """Tries candidates until one is good enough. best: the best so far, or None; tried: how many there were."""
+    """Tries candidates until one is good enough.
+
+    best: the best so far, or None; tried: how many there were.
+    """
 
     def __init__(
         self,
@@ -42,7 +48,7 @@ class Evaluation:
         request: PlanRequest,
         controls: ControlOptions,
         watch: Stopwatch,
-    ):
+    ) -> None:
         self.scenario, self.request, self.controls, self.watch = scenario, request, controls, watch
         self.best: Candidate | None = None
         self.tried = 0
@@ -55,7 +61,7 @@ class Evaluation:
         return -1.0 if self.best is None else self.best.success_rate
 
     def discard_best(self) -> None:
-        """The best is not wanted: a better one is looked for as if there had been none."""
+        """Forget the best candidate, so that the search goes on as if there had been none."""
         self.best, self._last = None, np.inf
 
     @property
@@ -65,14 +71,16 @@ class Evaluation:
 
     @property
     def done(self) -> bool:
-        """Whether the best is good enough, or was improved upon for long enough, or the time is spent."""
+        """Whether the best candidate is good enough, or the improvement budget or time is spent."""
         enough = max(self.request.early_stop_success, self.request.target_success)
         return self.success_rate >= enough or self.tried >= self._last or self.watch.late()
 
     def try_route(self, plan: ContactPlan, executions: tuple[ExecutionOptions, ...]) -> int:
-        """All ways to execute a route, until one is good enough; returns the place of the leg on which most of them failed."""
+        """Try the ways to execute a route until one is good enough; returns the place of the leg on
+        which most of them failed.
+        """
         failed_legs: list[int] = []
-        hopeless: set[ExecutionOptions] = set()  # whatever is done while caging
+        hopeless: set[ExecutionOptions] = set()  # they fail whatever is done in the caging descent
         first_caging = next(
             (k for k, leg in enumerate(plan.legs) if leg.mode == CAGING), len(plan.legs)
         )
@@ -115,8 +123,10 @@ class Evaluation:
         return build_perturbed_samples(self.scenario, r.samples, r.level, r.seed)
 
     def _verify(self, trajectory: ManipulationTrajectory) -> Verification:
-        """On all samples, or on as many as it takes to see that the best so far is not beaten, or that this one cannot be
-        offered; the nominal one first, then those on which most candidates failed."""
+        """Roll out on all samples, the nominal one first, then those on which most candidates
+        failed; stop as soon as the best candidate cannot be beaten, or this one cannot be given any
+        more.
+        """
         order = [0, *(1 + np.argsort(-self._failures[1:], kind='stable'))]
         done, asked = [], len(order)
         for k, rollout in zip(
@@ -132,7 +142,10 @@ class Evaluation:
 
 
 def _failed_leg(candidate: Candidate) -> int:
-    """Place of the leg on which the first failed rollout left the plan; the last one when it kept to it to the end."""
+    """Place of the leg on which the first failed rollout left the plan; the last leg when it kept
+    to
+    the plan to the end.
+    """
     legs, trajectory = candidate.plan.legs, candidate.trajectory
     rollout = next((r for r in candidate.verification.rollouts if not r.success), None)
     if rollout is None:

@@ -1,4 +1,6 @@
-"""Refinement: how transitions are made, chosen by the largest errors that they survive (the paper's future work (ii))."""
+"""Refinement: transitions are chosen by the largest errors that they survive (the paper's future
+work (ii)).
+"""
 
 from dataclasses import replace
 
@@ -12,8 +14,10 @@ from wholearm_ros.trajectory.main_trajectory import generate
 
 
 def refine_transitions(best: Candidate, evaluation: Evaluation) -> Candidate:
-    """Of the ways to make the transitions at which the torque ranges part, the one that survives most of the stress
-    samples, if it is no worse on the samples of `evaluation`: start and size of the extra torque are found, not set."""
+    """The candidate with the transitions that survive most stress samples, of all the ways to cross
+    where the torque ranges part, if it is no worse on the samples of `evaluation`: when the extra
+    torque begins and how large it is are found, not set.
+    """
     parted = any(not t['condition_2'] for t in best.trajectory.transitions)
     options = _transition_choices(best, evaluation.request.transition)
     if not parted or len(options) < 2 or evaluation.watch.late():
@@ -47,7 +51,9 @@ def _transition_choices(best: Candidate, wanted: str) -> list[ExecutionOptions]:
 def _by_stress(
     best: Candidate, evaluation: Evaluation, options: list[ExecutionOptions]
 ) -> list[ExecutionOptions]:
-    """The options that were looked at, those that most stress samples survive first; one that all survive ends the looking."""
+    """The options, those first that most stress samples survive; options that all of them survive
+    end the comparison.
+    """
     samples, survivors = _stress_samples(evaluation), []
     for execution in options:
         plan = best.plan.with_execution(execution.to_dict())

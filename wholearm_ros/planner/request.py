@@ -13,20 +13,23 @@ from wholearm_ros.trajectory.execution_options import AUTO
 class PlanRequest:
     """What to plan with.
 
-    search: best or random; seed: of the random search and of the perturbed samples; transition: dwell, dynamic or auto;
-    limit: of expansions of the arc search; moves: how many dynamic primitives may be simulated where arcs alone do not do,
-    0 for none; candidates: trajectories to try before giving up on the arcs, and again on the primitives (so that the answer
-    does not depend on the machine); time_budget: [s] after which the search ends with what it has.
+    search: 'best' or 'random'; seed: of the random search and of the perturbed samples; transition:
+    'dwell', 'dynamic' or 'auto'; limit: of expansions of the search over arcs; moves: how many
+    simulations each primitive tree may make where arcs alone do not lead to the goal, 0 for no such
+    tree; candidates: trajectories to try before giving up on arcs, and again for each primitive
+    tree, so that the answer does not depend on the machine; time_budget: after which the search
+    ends with what it has [s].
 
-    samples, level: how many perturbed samples a candidate is rolled out on, and how strongly they are perturbed;
-    target_success: success rate over them with which the search ends soon; least_success: with which the best candidate is
-    still offered when none reached the target; early_stop_success: beyond which nothing better is looked for;
-    improvement_budget: candidates to try for a better one after the first that reached the target;
-    stress_levels, stress_samples: levels, and samples at each, on which ways to make the transitions are compared.
+    samples, level: perturbed samples on which a candidate is rolled out, and how strongly they are
+    perturbed; target_success: success rate over them at which the search ends soon;
+    least_success: at which the best candidate is still certified when none reached the target;
+    early_stop_success: at which the search ends at once; improvement_budget: candidates to try for
+    a better one after the first that reached the target; stress_levels, stress_samples: levels, and
+    samples at each, on which ways to make the transitions are compared.
 
-    certificate_samples, certificate_level: fresh samples on which the chosen candidate is certified, 0 for no certificate;
-    min_success: least lower bound of its success rate with which it is offered; certifications: candidates that may be
-    refused before the search gives up.
+    certificate_samples, certificate_level: fresh samples on which the chosen candidate is
+    certified, 0 for no certificate; min_success: least lower bound of its success rate with which
+    it is given; certifications: candidates that may be refused before the search gives up.
     """
 
     search: str = BEST
@@ -52,8 +55,10 @@ class PlanRequest:
 
 @dataclass(frozen=True, eq=False)
 class PlanResult:
-    """plan: always there, with a route or the reason why there is none; trajectory: verified, or None;
-    timings: plan_ms, generate_ms, verify_ms; verification: of the trajectory, or of the best one that was not good enough."""
+    """plan: with a route, or with the reason why there is none; trajectory: verified, or None;
+    timings: plan_ms, generate_ms, verify_ms; verification: of the trajectory, or of the best one
+    that was not good enough.
+    """
 
     plan: ContactPlan
     trajectory: ManipulationTrajectory | None

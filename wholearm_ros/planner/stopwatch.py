@@ -1,4 +1,4 @@
-"""Time: milliseconds spent in each stage of a planning call, and when its budget is spent."""
+"""Time spent in each stage of a planning call, and whether its budget is spent."""
 
 import time
 from collections.abc import Iterator
@@ -8,15 +8,17 @@ PLAN, GENERATE, VERIFY = 'plan_ms', 'generate_ms', 'verify_ms'
 
 
 class Stopwatch:
-    """Begins when it is made. timings: milliseconds by stage; budget: [s]."""
+    """Runs from when it is made. budget: [s]; timings: milliseconds by stage."""
 
-    def __init__(self, budget: float):
+    def __init__(self, budget: float) -> None:
         self.budget = budget
         self.timings = dict.fromkeys((PLAN, GENERATE, VERIFY), 0.0)
         self._began = time.monotonic()
 
     def late(self) -> bool:
-        """Whether no further candidate is to be begun: what comes after a search needs a tenth of the budget."""
+        """Whether no further candidate should be begun: what follows a search needs a tenth of the
+        budget.
+        """
         return time.monotonic() - self._began > 0.9 * self.budget
 
     def over(self) -> bool:
@@ -25,7 +27,7 @@ class Stopwatch:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Adds what is spent inside to a stage."""
+        """Adds the time spent inside to a stage."""
         began = time.perf_counter()
         try:
             yield

@@ -4,7 +4,6 @@ Pure: whoever executes tells the claim that came of it and is told what to do ne
 """
 
 from dataclasses import dataclass, replace
-from typing import Optional
 
 import numpy as np
 
@@ -18,25 +17,29 @@ FEELS = 2  # probes in a row that may leave it open where the object lies
 
 @dataclass(frozen=True)
 class Decision:
-    """action: plan one of `scenarios` (the first that can be), feel once more, or end; outcome and reason: of the end;
-    scenarios: from what was felt, the shorter turn first."""
+    """What to do next.
+
+    action: PLAN one of `scenarios` (the first for which there is a plan), FEEL once more, or END;
+    outcome and reason: of the end; scenarios: from what was felt, the shorter turn first.
+    """
 
     action: str
     outcome: str = ''
     reason: str = ''
-    scenarios: tuple = ()
+    scenarios: tuple[Scenario, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Supervision:
-    """scenario: as the goal was given; max_attempts; attempts: trajectories executed so far; feels: probes since the last
-    one that told something; claims: so far, in order."""
+    """scenario: with the goal as given; attempts: trajectories executed so far; feels: probes since
+    the last conclusive one; claims: so far, in order.
+    """
 
     scenario: Scenario
     max_attempts: int = MAX_ATTEMPTS
     attempts: int = 0
     feels: int = 0
-    claims: tuple = ()
+    claims: tuple[Claim, ...] = ()
 
     def begin(self) -> Decision:
         """What to do first."""
@@ -63,8 +66,10 @@ class Supervision:
             return after, Decision(END, ELSEWHERE, claim.reason)
         return replace(after, feels=0), Decision(PLAN, scenarios=self.from_felt(claim))
 
-    def from_felt(self, claim: Claim) -> tuple:
-        """The scenario from where the object was felt; for a goal on an edge in both directions, the shorter turn first."""
+    def from_felt(self, claim: Claim) -> tuple[Scenario, ...]:
+        """Scenarios that start where the object was felt; for a goal on an edge both directions,
+        the shorter turn first.
+        """
         start = StartOnEdge(claim.edge, claim.x)
         moved = replace(self.scenario, start=start)
         if not isinstance(moved.goal, GoalOnEdge):
@@ -79,6 +84,6 @@ class Supervision:
 
     def no_plan(self, reason: str) -> Decision:
         """When none of the scenarios can be planned."""
-        last: Optional[Claim] = self.claims[-1] if self.claims else None
+        last: Claim | None = self.claims[-1] if self.claims else None
         where = f'; {last.reason}' if last else ''
         return Decision(END, last.outcome if last else UNKNOWN, f'no plan: {reason}{where}')

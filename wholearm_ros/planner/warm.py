@@ -1,11 +1,15 @@
-"""Compile every kernel once, so that no plan or service call pays for it: `python -m wholearm_ros.planner.warm`."""
+"""Compilation of every kernel, so that no service call pays for it:
+`python -m wholearm_ros.planner.warm`.
+"""
 
 import sys
 import time
 
 
 def warm() -> float:
-    """Plans, generates and simulates a small task; returns the seconds it took. Quick when the compiled code is on disk."""
+    """Plan, generate and simulate a small scenario; returns the seconds it took, few when the
+    compiled code is on disk.
+    """
     from wholearm_ros.model.scenario_file import parse_scenario
     from wholearm_ros.planner.planner import plan_and_verify
     from wholearm_ros.planner.request import PlanRequest

@@ -1,7 +1,6 @@
 """An arc of configurations on which four contacts stay closed, with its statics."""
 
 from dataclasses import dataclass, replace
-from typing import Optional
 
 import numpy as np
 
@@ -12,11 +11,10 @@ from wholearm_ros.mechanics.torque_range import ROBUST_FRICTION
 from wholearm_ros.model.trajectory import QUASI_STATIC
 from wholearm_ros.planning.problem import PlanningProblem
 
-EMPTY_WIDTH = (
-    -1.0
-)  # [N m] of a range that is empty somewhere; how empty says nothing near a singular configuration
+# [N m] of a range that is empty somewhere: how empty says nothing near a singular configuration.
+EMPTY_WIDTH = -1.0
 MOST_SAMPLES = 300  # configurations on one arc
-SAME_SAMPLE = 1e-6  # share of a step; what lies this near to a sample is the sample
+SAME_SAMPLE = 1e-6  # fraction of a step: what lies this near to a sample is the sample
 EVENTS = {
     arc_tracing.CLOSED: 'contact',
     arc_tracing.EDGE_END: 'end of edge',
@@ -31,8 +29,12 @@ EVENTS = {
 
 @dataclass(frozen=True, eq=False)
 class Arc:
-    """Configurations (m, 5) with the same four closed pairs, unit tangents (m, 5) and statics (m, 2, 4): for either
-    torque-controlled finger (τ_min, τ_max) without friction, and the part of that range which is friction-robust [N m]."""
+    """Configurations along which the same four pairs stay closed.
+
+    mode: QUASI_STATIC or CAGING; configurations: (m, 5) [m, rad]; tangents: (m, 5) of unit scaled
+    length; statics: (m, 2, 4) [N m], for either torque-controlled finger (τ_min, τ_max) without
+    friction and of the friction-robust part of that range; event: what ends the arc.
+    """
 
     mode: str
     pairs: tuple[int, ...]
@@ -42,12 +44,14 @@ class Arc:
     event: str
 
     def robust_half_width(self) -> np.ndarray:
-        """(2,) [N m]: for either torque-controlled finger, the least half width of the robust range along the arc."""
+        """(2,) [N m]: for either torque-controlled finger, the least half width of the robust range
+        along the arc.
+        """
         if len(self.statics) == 0:
             return np.full(2, -np.inf)
-        return np.maximum(
-            (0.5 * (self.statics[:, :, 3] - self.statics[:, :, 2])).min(axis=0), EMPTY_WIDTH
-        )
+        half_widths = 0.5 * (self.statics[:, :, 3] - self.statics[:, :, 2])
+        least: np.ndarray = np.maximum(half_widths.min(axis=0), EMPTY_WIDTH)
+        return least
 
     def length(self, scale: np.ndarray) -> float:
         """Length in scaled coordinates [rad]."""
@@ -66,7 +70,7 @@ class Arc:
 
 def tangent(problem: PlanningProblem, q: np.ndarray, pairs: tuple[int, ...]) -> np.ndarray:
     """(5,) unit vector along which the pairs stay closed, its sign arbitrary."""
-    t = np.empty(5)
+    t: np.ndarray = np.empty(5)
     null_vector(contact_rows(problem.world, pairs, q)[0], problem.world.scale, t)
     return t
 
@@ -78,9 +82,11 @@ def trace(
     toward: np.ndarray,
     driver: int,
 ) -> tuple[Arc, int, int]:
-    """The arc from q (5,) towards the side of `toward` (5,), the code of the event that ends it and that event's pair.
+    """The arc from q (5,) towards the side of `toward` (5,), the code of the event that ends it,
+    and the pair of that event.
 
-    driver: the finger that must not have to reverse, LEFT or RIGHT, or −1 when either may."""
+    driver: the finger that must not reverse, LEFT or RIGHT, or −1 when either may.
+    """
     w = problem.world
     qs, ts, st = (
         np.empty((MOST_SAMPLES, 5)),
@@ -111,8 +117,10 @@ def trace(
     return arc, event, which
 
 
-def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Optional[Arc]:
-    """The arc cut where the object, once inside of the goal's region, is nearest to the goal; None when it never is inside."""
+def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Arc | None:
+    """The arc, cut where the object is nearest to the goal inside the goal region; None when it
+    never gets there.
+    """
     found = None  # (distance, sample before, share of the step to the next one)
     poses = arc.configurations[:, :3]
     if len(poses) == 1:
@@ -144,7 +152,9 @@ def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Optional[Arc]:
 
 
 def _nearest_on_step(problem: PlanningProblem, poses: np.ndarray) -> tuple[float, float]:
-    """(share of the step between two poses (2, 3) at which it comes nearest to the goal, distance there)."""
+    """(u, distance): the fraction u of the step between two poses (2, 3) at which it is nearest to
+    the goal, and its distance there.
+    """
     first = problem.goal.error(poses[0]) / problem.goal.tolerance
     if problem.distance(poses[0]) == 0.0:
         return 0.0, 0.0
@@ -156,12 +166,15 @@ def _nearest_on_step(problem: PlanningProblem, poses: np.ndarray) -> tuple[float
 
 
 def _between(rows: np.ndarray, i: int, u: float) -> np.ndarray:
-    """Row i and a share u of the way to the next one."""
-    return rows[i] if u == 0.0 else (1.0 - u) * rows[i] + u * rows[i + 1]
+    """Linear interpolation: row i, and a fraction u of the way to the next one."""
+    between: np.ndarray = rows[i] if u == 0.0 else (1.0 - u) * rows[i] + u * rows[i + 1]
+    return between
 
 
-def _projected(problem: PlanningProblem, arc: Arc, i: int, u: float) -> Optional[np.ndarray]:
-    """(5,) on the arc, a share u of the way from sample i to the next one; None when Newton fails."""
+def _projected(problem: PlanningProblem, arc: Arc, i: int, u: float) -> np.ndarray | None:
+    """(5,) on the arc, a fraction u of the way from sample i to the next; None when Newton's method
+    fails.
+    """
     q, codes = _between(arc.configurations, i, u), np.array(arc.pairs, dtype=np.int64)
     hold = _between(arc.tangents, i, u) / problem.world.scale**2
     rows, gaps = np.empty((4, 5)), np.empty(4)

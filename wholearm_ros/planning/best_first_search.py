@@ -1,15 +1,19 @@
-"""Best route on the graph of arcs: the widest torque margin first, then the fewest contact-state changes, then the least motion.
+"""Best route on the graph of arcs: the widest torque margin first, then the fewest contact-state
+changes, then the least motion.
 
-The margin of a route is its least robust half width of the torque range (a bottleneck), the other two are sums. A bottleneck
-and sums cannot be minimised in one sweep, so there are two: the first finds the widest margin W by best-first search with
-lazily traced arcs (it may stop when the goal is taken from the queue: whatever is left is narrower); the second finds the
-cheapest route among the arcs at least as wide as W, tracing what the first left out. The answer is optimal on the graph.
+The margin of a route is its least robust half width of the torque range (a bottleneck); the other
+two criteria are sums. A bottleneck and sums cannot be minimised in one sweep, so there are two. The
+first finds the widest margin W by best-first search with lazily traced arcs; it may stop when the
+goal is taken from the queue, because whatever is left is narrower. The second finds the cheapest
+route among the arcs at least as wide as W, tracing what the first left out. The answer is optimal
+on the graph.
 """
 
 import heapq
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,40 +22,61 @@ from wholearm_ros.model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, TIME_SPENT
 from wholearm_ros.planning.arc import tangent
 from wholearm_ros.planning.new_subgoal import REACHED, WIDE_ENOUGH, new_subgoal
 from wholearm_ros.planning.problem import PlanningProblem
-from wholearm_ros.planning.subgoal_network import SubgoalNetwork
+from wholearm_ros.planning.subgoal_network import Node, SubgoalNetwork
+
+Choice = tuple[tuple[int, ...], int, int]  # four pairs to keep, the side, which of the expansions
+EdgeKey = tuple[int, Choice]  # the start of an edge and its choice
 
 
 @dataclass(frozen=True, eq=False)
 class Edge:
-    """An expansion as an edge of the graph: from a node (by its place in the network) to another, or to the goal (None).
+    """An expansion as an edge of the graph, from a node (by its place in the network) to another,
+    or to the goal (None).
 
-    choice: the pairs, the side and which of the expansions; margin [N m] and cost: see above; numbers: of its subgoals in the network, X_start to X_end.
+    margin [N m] and cost: see above; numbers: of its subgoals in the network, X_start to X_end.
     """
 
     start: int
-    choice: tuple
-    end: int
+    choice: Choice
+    end: int | None
     margin: float
     cost: float
-    numbers: tuple
+    numbers: tuple[int, ...]
+
+    @property
+    def key(self) -> EdgeKey:
+        """What names the edge in the graph."""
+        return self.start, self.choice
+
+
+class BestRoute(NamedTuple):
+    """outcome: see ContactPlan; edges: of the route, empty when there is none; margin [N m], cost:
+    see above.
+    """
+
+    outcome: str
+    edges: tuple[Edge, ...]
+    margin: float
+    cost: float
 
 
 @dataclass(eq=False)
 class ArcGraph:
-    """The graph of a problem, its edges traced when they are first asked for, and kept.
+    """The graph of a problem; its edges are traced when they are first asked for, and kept.
 
-    limit: of expansions; stop: whether to give up, asked before each node.
+    limit: of expansions; stop: whether to give up, asked before each node; traced: expansions so
+    far; edges: those that leave each node, by its place.
     """
 
-    task: PlanningProblem
+    problem: PlanningProblem
     limit: int
     stop: Callable[[], bool] = lambda: False
-    network: SubgoalNetwork = None
-    traced: int = 0
-    edges: dict = field(default_factory=dict)
+    network: SubgoalNetwork = field(init=False)
+    traced: int = field(default=0, init=False)
+    edges: dict[int, tuple[Edge, ...]] = field(default_factory=dict, init=False)
 
-    def __post_init__(self):
-        self.network = SubgoalNetwork(self.task)
+    def __post_init__(self) -> None:
+        self.network = SubgoalNetwork(self.problem)
         self._place = {self.network.nodes[0].number: 0}
 
     @property
@@ -59,7 +84,7 @@ class ArcGraph:
         """Whether every edge of every node has been traced."""
         return len(self.edges) == len(self.network.nodes)
 
-    def edges_from(self, k: int) -> tuple:
+    def edges_from(self, k: int) -> tuple[Edge, ...]:
         """Every edge that leaves node k."""
         if k not in self.edges:
             node = self.network.nodes[k]
@@ -71,43 +96,37 @@ class ArcGraph:
             )
         return self.edges[k]
 
-    def _trace(self, k, node, pairs, sign):
+    def _trace(self, k: int, node: Node, pairs: tuple[int, ...], sign: int) -> Iterator[Edge]:
         self.traced += 1
-        toward = sign * tangent(self.task, node.configuration, pairs)
-        for place, expansion in enumerate(
-            new_subgoal(self.task, node.configuration, pairs, toward)
-        ):
+        toward = sign * tangent(self.problem, node.configuration, pairs)
+        expansions = new_subgoal(self.problem, node.configuration, pairs, toward)
+        for which, expansion in enumerate(expansions):
             if not expansion.arcs:
                 continue
             attached = self.network.attach(node, pairs, sign, expansion)
-            if attached.node is not None:
-                end = (
-                    None
-                    if expansion.outcome == REACHED
-                    else self._place.setdefault(attached.node.number, len(self.network.nodes) - 1)
-                )
-                yield Edge(
-                    k,
-                    (pairs, sign, place),
-                    end,
-                    expansion.margin(),
-                    expansion.cost(self.task.world.scale),
-                    attached.numbers,
-                )
+            if attached.node is None:
+                continue
+            end = None
+            if expansion.outcome != REACHED:
+                newest = len(self.network.nodes) - 1
+                end = self._place.setdefault(attached.node.number, newest)
+            margin, cost = expansion.margin(), expansion.cost(self.problem.world.scale)
+            yield Edge(k, (pairs, sign, which), end, margin, cost, attached.numbers)
 
 
-def best_route(graph: ArcGraph, without: frozenset = frozenset()):
-    """(outcome, edges of the best route, margin W [N m], cost). `without`: edges, as (start, choice), not to be used."""
+def best_route(graph: ArcGraph, without: frozenset[EdgeKey] = frozenset()) -> BestRoute:
+    """The best route that uses none of the edges `without`."""
     outcome, margin = _widest(graph, without)
     if outcome != FOUND:
-        return outcome, (), -np.inf, np.inf
+        return BestRoute(outcome, (), -np.inf, np.inf)
     outcome, edges, cost = _cheapest(graph, without, margin)
-    return outcome, edges, margin, cost
+    return BestRoute(outcome, edges, margin, cost)
 
 
-def _widest(graph, without):
+def _widest(graph: ArcGraph, without: frozenset[EdgeKey]) -> tuple[str, float]:
+    """(outcome, the widest margin with which the goal can be reached [N m])."""
     order, done = count(), set()
-    queue = [(-WIDE_ENOUGH, next(order), 0)]
+    queue: list[tuple[float, int, int | None]] = [(-WIDE_ENOUGH, next(order), 0)]
     while queue:
         width, _, k = heapq.heappop(queue)
         if k is None:
@@ -124,9 +143,13 @@ def _widest(graph, without):
     return EXHAUSTED, -np.inf
 
 
-def _cheapest(graph, without, margin):
+def _cheapest(
+    graph: ArcGraph, without: frozenset[EdgeKey], margin: float
+) -> tuple[str, tuple[Edge, ...], float]:
+    """(outcome, edges, cost) of the cheapest route among the edges at least as wide as `margin`."""
     order, done = count(), set()
-    queue = [(0.0, next(order), 0, None)]
+    # cost, order, place of the node, and the way to it as nested pairs (edge, way before it)
+    queue: list[tuple[float, int, int | None, Any]] = [(0.0, next(order), 0, None)]
     while queue:
         cost, _, k, trail = heapq.heappop(queue)
         if k is None:
@@ -142,11 +165,11 @@ def _cheapest(graph, without, margin):
     raise AssertionError('the widest route was found, so there is a cheapest one')
 
 
-def _usable(graph, k, without):
-    return [edge for edge in graph.edges_from(k) if (edge.start, edge.choice) not in without]
+def _usable(graph: ArcGraph, k: int, without: frozenset[EdgeKey]) -> list[Edge]:
+    return [edge for edge in graph.edges_from(k) if edge.key not in without]
 
 
-def _unwind(trail):
+def _unwind(trail: Any) -> tuple[Edge, ...]:
     edges = []
     while trail is not None:
         edge, trail = trail

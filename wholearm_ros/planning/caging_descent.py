@@ -1,6 +1,8 @@
-"""Caging descents: where the object may be released on an arc, and how it comes down between the fingers (III-B.3)."""
+"""Caging descents: where the object may be released on an arc, and how it descends between the
+fingers (III-B.3).
+"""
 
-from typing import Iterator, Optional
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,10 +18,11 @@ LARGEST_ROLL = 0.08  # [rad] between two samples of a descent
 
 
 def releases(problem: PlanningProblem, arc: Arc) -> Iterator[tuple[Arc, Arc]]:
-    """Check_Caging: (arc up to the release, descent) for the last place on the arc where the object may be released, the
-    middle one and the first."""
+    """Check_Caging: (arc up to the release, descent) for the last, the middle and the first sample
+    of the arc at which the object may be released.
+    """
     angles = arc.configurations[:, 2]
-    held = (arc.statics[:, :, 1] >= arc.statics[:, :, 0]).any(axis=1)
+    held = np.any(arc.statics[:, :, 1] >= arc.statics[:, :, 0], axis=1)
     caged = [
         i
         for i, angle in enumerate(angles)
@@ -31,7 +34,8 @@ def releases(problem: PlanningProblem, arc: Arc) -> Iterator[tuple[Arc, Arc]]:
     ):
         return
     for i in sorted({caged[0], caged[len(caged) // 2], caged[-1]}, reverse=True):
-        down = caging_descent(problem, arc.configurations[i], problem.cage_at(angles[i]))
+        cage = problem.cage_at(angles[i])
+        down = None if cage is None else caging_descent(problem, arc.configurations[i], cage)
         if down is None or i == 0:
             continue
         pairs = closed_pairs(problem.world, down[-1])
@@ -39,10 +43,11 @@ def releases(problem: PlanningProblem, arc: Arc) -> Iterator[tuple[Arc, Arc]]:
         yield arc.up_to(i + 1, 'caged'), descent
 
 
-def caging_descent(problem: PlanningProblem, q: np.ndarray, cage: Cage) -> Optional[np.ndarray]:
-    """(m, 5): the centroid falls straight, the object rolls over its lowest vertices, each finger keeps closed on it.
+def caging_descent(problem: PlanningProblem, q: np.ndarray, cage: Cage) -> np.ndarray | None:
+    """(m, 5) from q (5,): the centroid descends vertically, the object rolls over its lowest
+    vertices, both fingers stay closed on it.
 
-    None when somewhere on the way a finger has no room.
+    None where a finger has no room on the way.
     """
     w = problem.world
     landed = problem.landed(q, cage)

@@ -1,291 +1,200 @@
-"""Routes of dynamic moves, where the graph of four-contact arcs holds none that survives.
+"""Routes of dynamic primitives, where the graph of four-contact arcs holds none that survives.
 
-A tree of states at rest, grown best first. From each of them either finger is swept either way under a few torques of the
-other one; forward dynamics says where the object goes, and every so far along a sweep is a place to stop. A stop becomes
-a new state only if the move to it ends at rest, and if a few perturbed copies of the task, led through all moves so far
-as the controllers would, end up in nearly the same place: what physics does not do reliably is not built upon.
+A tree of states at rest, grown best first. A state is left by motion primitives; forward dynamics
+says where each of them takes the object. What it leads to becomes a new state only if everything
+comes to rest there, and if the particles, perturbed samples of the scenario that execute every
+primitive so far in closed loop, end up in nearly the same place: what physics does not do reliably
+is not built upon. This is the dynamic manipulation of III-B.2 as a step of the search.
 """
 
 import heapq
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
-from typing import Callable
 
 import numpy as np
 
-from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.kernels.rollout import Start
-from wholearm_ros.mechanics.contacts import closed_pairs, four_contact_subsets, pair_name
-from wholearm_ros.mechanics.quasistatic import build_quasistatics
-from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
-from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
+from wholearm_ros.mechanics.contacts import closed_pairs, pair_name
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import X_END, X_GOAL, X_INIT, Leg, Subgoal, Y
 from wholearm_ros.model.trajectory import CAGING, DYNAMIC
 from wholearm_ros.planning.caging_descent import caging_descent
+from wholearm_ros.planning.particles import Particles, ParticleStates
+from wholearm_ros.planning.primitive_candidates import (
+    LONG_SETTLE,
+    STYLES,
+    TOUCHING,
+    Style,
+    flings,
+    stops_along,
+    sweeps,
+)
 from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.rollout.parallel import parallel_map
-from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples, follow_course
 from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest, simulate_primitive
 
-SWEEP = 0.9  # [rad]
-STOP_EVERY = 0.1  # [rad] along a sweep
-LONG_SETTLE = 0.6  # [s] for a move that does not end at rest at once
-THROW_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
-THROW_TORQUES = (0.2, 1.0, 3.5)  # [N m]
-THROW_SPEED, THROW_SLEW = 5.0, 50.0  # [rad/s], [N m/s]
-THROW_WITHIN = 0.8  # [rad] of where the object may be let go
-PARTICLES = 3  # perturbed copies besides the nominal one
-SPREAD = 0.08  # in scaled coordinates, by which samples may differ from the plan
-STILL = 0.05  # [1/s] in scaled coordinates, of a sample at rest
-CELL = np.array(
-    [0.1, 0.1, 0.06, 0.12, 0.12]
-)  # in scaled coordinates; states in the same cell are one
-DEPTH_COST = 0.06  # [rad] of a move, against the rotation that is left
-TOUCHING = 2e-4  # [m] gap of a closed pair after a simulation
-SAMPLE_EVERY = 10  # of a move's records, kept in its leg
-
-
-@dataclass(frozen=True)
-class Style:
-    """Of a tree's sweeps: greatest speed [rad/s], and torques of the other finger [N m] towards closing."""
-
-    speed: float
-    torques: tuple
-
-
-STYLES = Style(2.0, (0.05, 0.2, 0.6, 1.5, 3.5)), Style(1.2, (0.1, 0.35, 1.0, 2.5))
+CELL = np.array([0.1, 0.1, 0.06, 0.12, 0.12])  # in scaled coordinates; states in one cell are one
+DEPTH_COST = 0.06  # [rad] of a primitive, against the rotation that is left
+SAMPLE_EVERY = 10  # of a primitive's records, kept in its leg
+Route = tuple[list[Subgoal], list[Leg]]
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """At rest after `record` from `parent` (place in the tree); copies: q, v (5,) of each particle."""
+    """At rest after `record` from `parent` (place in the tree, −1 at the start, where there is no
+    record); particles: where each of them is; depth: primitives since the start.
+    """
 
     rest: Rest
-    copies: tuple
+    particles: ParticleStates
     parent: int
-    record: PrimitiveRecord
+    record: PrimitiveRecord | None
     depth: int
 
 
 class PrimitiveTree:
-    """The tree, its open stops in a queue; `grow` takes one of them."""
+    """The tree and the queue of primitives yet to be tried; `grow` takes one of them.
 
-    def __init__(self, task: PlanningProblem, seed: int, style: Style = STYLES[0]):
-        self.task, self._style, self._controls = task, style, ControlOptions()
-        self._copies = build_perturbed_samples(task.scenario, PARTICLES, 1.0, seed + 1)
-        world = task.world
-        rest = Rest(task.start, world.finger_moment * np.cos(task.start[3:]))
-        self.states = [
-            State(rest, tuple((c.start, np.zeros(5)) for c in self._copies), -1, None, 0)
-        ]
-        self._queue, self._order, self._seen, self.simulated = [], 0, {self._cell(task.start)}, 0
-        self._sweep(0)
+    states: in the order in which they were found.
+    """
+
+    def __init__(self, problem: PlanningProblem, seed: int, style: Style = STYLES[0]) -> None:
+        self.problem, self._style = problem, style
+        self._particles = Particles(problem, seed + 1)
+        rest = Rest(problem.start, problem.world.finger_moment * np.cos(problem.start[3:]))
+        self.states = [State(rest, self._particles.start, -1, None, 0)]
+        self._queue: list[tuple[float, int, int, MotionPrimitive]] = []
+        self._order, self._primitives = 0, 0
+        self._seen = {self._cell(problem.start)}
+        self._branch(0)
 
     @property
     def open(self) -> bool:
-        """Whether a stop is left to grow from."""
+        """Whether a primitive is left to try."""
         return bool(self._queue)
 
-    def grow(self) -> int:
-        """Place of a new state, or None when the best of the open stops came to nothing."""
+    @property
+    def simulated(self) -> int:
+        """How many simulations were made so far, of primitives and of particles."""
+        return self._primitives + self._particles.rollouts
+
+    def grow(self) -> int | None:
+        """Place of a new state, or None when the most promising primitive came to nothing."""
         _, _, parent, move = heapq.heappop(self._queue)
         before = self.states[parent]
-        (record,) = self._simulate(before.rest, [move])
-        if (
-            not record.at_rest
-            and move.settle < LONG_SETTLE
-            and not self.task.hopeless(record.configurations[-1])
-        ):
-            (record,) = self._simulate(before.rest, [replace(move, settle=LONG_SETTLE)])
-        if (
-            not record.at_rest
-            or record.stops_met.any()
-            or self.task.hopeless(record.configurations[-1])
-        ):
+        record = self._brought_to_rest(before.rest, move)
+        end = record.configurations[-1]
+        if not record.at_rest or record.stops_met.any() or self.problem.hopeless(end):
             return None
-        cell = self._cell(record.configurations[-1])
+        cell = self._cell(end)
         if cell in self._seen:
             return None
-        copies = self._led(before, record)
-        if copies is None:
+        side = -1 if before.record is None else before.record.move.velocity_finger
+        particles = self._particles.after(record, before.rest, before.particles, side)
+        if particles is None:
             return None
         self._seen.add(cell)
-        self.states.append(State(record.rest(), copies, parent, record, before.depth + 1))
-        self._sweep(len(self.states) - 1)
+        self.states.append(State(record.rest(), particles, parent, record, before.depth + 1))
+        self._branch(len(self.states) - 1)
         return len(self.states) - 1
 
-    def route_to(self, k: int) -> tuple:
+    def route_to(self, k: int) -> Route:
         """(subgoals, legs) from the start to state k."""
         states = []
         while k >= 0:
             states.append(self.states[k])
             k = self.states[k].parent
         states.reverse()
-        subgoals = [Subgoal(1, X_INIT, states[0].rest.q, self._names(states[0].rest.q))]
-        legs = []
+        first = states[0].rest.q
+        subgoals, legs = [Subgoal(1, X_INIT, first, self._names(first))], []
         for number, state in enumerate(states[1:], start=2):
-            names = self._names(state.rest.q)
-            move = state.record.move
-            subgoals.append(
-                Subgoal(
-                    number,
-                    Y if len(names) > 4 else X_END,
-                    state.rest.q,
-                    names,
-                    int(np.sign(move.turn)),
-                    number - 1,
-                )
-            )
-            legs.append(
-                Leg(
-                    number - 1,
-                    number,
-                    DYNAMIC,
-                    names,
-                    _samples(subgoals[-2].configuration, state.record),
-                    move.to_dict(),
-                )
-            )
+            assert state.record is not None, 'only the start has no record'
+            names, move = self._names(state.rest.q), state.record.move
+            kind, turn = Y if len(names) > 4 else X_END, int(np.sign(move.turn))
+            samples = _samples(subgoals[-1].configuration, state.record)
+            subgoals.append(Subgoal(number, kind, state.rest.q, names, turn, number - 1))
+            legs.append(Leg(number - 1, number, DYNAMIC, names, samples, move.to_dict()))
         return subgoals, legs
 
-    def _names(self, q):
-        return tuple(pair_name(c) for c in closed_pairs(self.task.world, q, TOUCHING))
+    def _names(self, q: np.ndarray) -> tuple[str, ...]:
+        return tuple(pair_name(c) for c in closed_pairs(self.problem.world, q, TOUCHING))
 
-    def _sweep(self, k):
-        """Open the stops that can be come to from state k."""
+    def _brought_to_rest(self, rest: Rest, move: MotionPrimitive) -> PrimitiveRecord:
+        """The primitive simulated, with a longer pause after it where it does not end at rest."""
+        (record,) = self._simulate(rest, [move])
+        if record.at_rest or move.settle >= LONG_SETTLE:
+            return record
+        if self.problem.hopeless(record.configurations[-1]):
+            return record
+        (record,) = self._simulate(rest, [replace(move, settle=LONG_SETTLE)])
+        return record
+
+    def _branch(self, k: int) -> None:
+        """Queue the primitives that may leave state k: to stops along sweeps, and flings."""
         state = self.states[k]
-        sweeps = [
-            MotionPrimitive(side, way * SWEEP, torque, self._style.speed, settle=0.0)
-            for side in (LEFT, RIGHT)
-            for way, torque in product((1.0, -1.0), self._torques(state.rest.q, 1 - side))
-        ]
-        for sweep, record in zip(sweeps, self._simulate(state.rest, sweeps)):
-            self._open_stops(k, state, sweep, record)
-        if self.task.caged_goal and self.task.rotation_left(state.rest.q) < THROW_WITHIN:
-            self._open_throws(k, state)
-
-    def _torques(self, q, side):
-        """Torques of finger `side` worth trying from q: a few, and those in the ranges of its four-contact equilibria."""
-        torques = list(self._style.torques)
-        model_pairs = four_contact_subsets(closed_pairs(self.task.world, q, TOUCHING))
-        for pairs in model_pairs:
-            model = build_quasistatics(self.task.world, pairs, q)
-            found = solve_torque_range(
-                build_torque_range(model, side, self.task.world.torque_limits)
-            )
-            if found.empty:
-                continue
-            ends = sorted(CLOSING[side] * (np.array([found.low, found.high]) - model.g_h[side]))
-            wanted = ends[0] + min(0.5, 0.5 * (ends[1] - ends[0]))
-            if all(abs(wanted - other) > 0.2 * abs(other) for other in torques):
-                torques.append(float(wanted))
-        return torques
-
-    def _open_throws(self, k, state):
-        """Quick moves after which the object comes to rest past the top: momentum carries it over what no torque holds."""
-        throws = [
-            MotionPrimitive(side, turn, torque, THROW_SPEED, LONG_SETTLE, THROW_SLEW)
-            for side, turn, torque in product((LEFT, RIGHT), THROW_TURNS, THROW_TORQUES)
-        ]
-        for throw, record in zip(throws, self._simulate(state.rest, throws)):
+        tried = sweeps(self.problem, state.rest.q, self._style)
+        for sweep, record in zip(tried, self._simulate(state.rest, tried)):
+            for move, q in stops_along(self.problem, state.rest, sweep, record):
+                if self._cell(q) not in self._seen:
+                    self._push(k, q, move)
+        thrown = flings(self.problem, state.rest.q)
+        for fling, record in zip(thrown, self._simulate(state.rest, thrown)):
             q = record.configurations[-1]
-            if record.at_rest and self.task.rotation_left(q) < 0.0 and not self.task.hopeless(q):
-                self._open(k, state, q, throw)
+            past_the_top = record.at_rest and self.problem.rotation_left(q) < 0.0
+            if past_the_top and not self.problem.hopeless(q):
+                self._push(k, q, fling)
 
-    def _open(self, k, state, q, move):
+    def _push(self, k: int, q: np.ndarray, move: MotionPrimitive) -> None:
+        """Queue a primitive that leaves state k towards q (5,)."""
         self._order += 1
-        cost = max(0.0, self.task.rotation_left(q)) + DEPTH_COST * (state.depth + 1)
+        left = max(0.0, self.problem.rotation_left(q))
+        cost = left + DEPTH_COST * (self.states[k].depth + 1)
         heapq.heappush(self._queue, (cost, self._order, k, move))
 
-    def _open_stops(self, k, state, sweep, record):
-        turned = np.abs(record.wanted - state.rest.q[3 + sweep.velocity_finger])
-        for stop in self._stops(turned, record):
-            i = int(np.searchsorted(turned, stop - 1e-9))
-            if i >= len(turned):
-                return
-            q = record.configurations[i]
-            if abs(q[3 + sweep.velocity_finger] - record.wanted[i]) > 0.1 or self.task.hopeless(q):
-                return
-            if self._cell(q) not in self._seen:
-                self._open(
-                    k,
-                    state,
-                    q,
-                    MotionPrimitive(
-                        sweep.velocity_finger, float(np.sign(sweep.turn) * stop), sweep.torque
-                    ),
-                )
+    def _simulate(self, rest: Rest, moves: list[MotionPrimitive]) -> list[PrimitiveRecord]:
+        """The records of primitives from rest."""
+        self._primitives += len(moves)
+        return list(parallel_map(partial(simulate_primitive, self.problem.world, rest), moves))
 
-    def _stops(self, turned, record):
-        """Turns [rad] of the finger after which to stop: every so far, and where the object is nearest to its goal."""
-        stops = np.arange(STOP_EVERY, SWEEP + 1e-9, STOP_EVERY)
-        if self.task.caged_goal:
-            return stops
-        away = [self.task.goal.distance(q[:3]) for q in record.configurations]
-        return np.sort(np.append(stops, turned[int(np.argmin(away))]))
-
-    def _led(self, before, record):
-        """The particles after the move, or None when they do not agree with the plan."""
-        course = record.course(before.rest)
-        finger = -1 if before.record is None else before.record.move.velocity_finger
-        after = []
-
-        def lead(k):
-            q, v = before.copies[k]
-            start = Start(q, v, before.rest.efforts, False, finger)
-            return follow_course(self._copies[k], course, start, self._controls)
-
-        for copy, run in zip(self._copies, parallel_map(lead, range(len(self._copies)))):
-            self.simulated += 1
-            turn = copy.goal.rotation - self._copies[0].goal.rotation
-            difference = np.abs(run.q[:3] - record.configurations[-1, :3] - [0.0, 0.0, turn])
-            if (
-                run.stopped
-                or run.stops_met.any()
-                or (difference / self.task.world.scale[:3] > SPREAD).any()
-                or np.abs(run.v / self.task.world.scale).max() > STILL
-            ):
-                return None
-            after.append((run.q, run.v))
-        return tuple(after)
-
-    def _simulate(self, rest, moves):
-        """The records of moves from rest."""
-        self.simulated += len(moves)
-        return list(parallel_map(partial(simulate_primitive, self.task.world, rest), moves))
-
-    def _cell(self, q):
-        return tuple(np.round(q / (CELL * self.task.world.scale)).astype(int).tolist())
+    def _cell(self, q: np.ndarray) -> tuple[int, ...]:
+        return tuple(np.round(q / (CELL * self.problem.world.scale)).astype(int).tolist())
 
 
 def primitive_tree_search(
-    task: PlanningProblem, tree: PrimitiveTree, limit: int, stop: Callable[[], bool] = lambda: False
-):
-    """(subgoals, legs) of the next route that the tree leads to the goal, or None when it is done with.
+    problem: PlanningProblem,
+    tree: PrimitiveTree,
+    limit: int,
+    stop: Callable[[], bool] = lambda: False,
+) -> Route | None:
+    """(subgoals, legs) of the next route that the tree finds to the goal, or None without one.
 
-    limit: of simulated moves in the whole tree; stop: whether to give up, asked now and then.
+    limit: of simulated primitives in the whole tree; stop: whether to give up, asked now and then.
     """
     while tree.open and tree.simulated < limit and not stop():
         k = tree.grow()
         if k is None:
             continue
         q = tree.states[k].rest.q
-        if task.reached(q[:3]):
+        if problem.reached(q[:3]):
             return tree.route_to(k)
-        cage = task.cage_at(q[2])
-        down = caging_descent(task, q, cage) if cage is not None else None
-        if down is not None and task.reached(down[-1, :3]):
-            subgoals, legs = tree.route_to(k)
-            names = tuple(map(pair_name, closed_pairs(task.world, down[-1])))
-            number = len(subgoals) + 1
-            subgoals.append(Subgoal(number, X_GOAL, down[-1], names, 0, number - 1))
-            return subgoals, [*legs, Leg(number - 1, number, CAGING, names, down)]
+        cage = problem.cage_at(q[2])
+        down = caging_descent(problem, q, cage) if cage is not None else None
+        if down is not None and problem.reached(down[-1, :3]):
+            return _with_descent(problem, tree.route_to(k), down)
     return None
 
 
-def _samples(start, record):
+def _with_descent(problem: PlanningProblem, route: Route, down: np.ndarray) -> Route:
+    """A route that ends with the caging descent `down` (m, 5)."""
+    subgoals, legs = route
+    names = tuple(map(pair_name, closed_pairs(problem.world, down[-1])))
+    number = len(subgoals) + 1
+    goal = Subgoal(number, X_GOAL, down[-1], names, 0, number - 1)
+    return [*subgoals, goal], [*legs, Leg(number - 1, number, CAGING, names, down)]
+
+
+def _samples(start: np.ndarray, record: PrimitiveRecord) -> np.ndarray:
+    """(m, 5) the start, every tenth record and the last."""
     last = len(record.configurations) - 1
     places = [*range(SAMPLE_EVERY, last, SAMPLE_EVERY), last]
     return np.vstack([start[None], record.configurations[places]])

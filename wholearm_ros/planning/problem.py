@@ -1,4 +1,6 @@
-"""What a search works on: a scenario whose object turns counter-clockwise, as arrays, with its start, cages and goal."""
+"""The planning problem: a scenario whose object turns counter-clockwise, as arrays, with its start,
+its cages and its goal.
+"""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -6,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from wholearm_ros.kernels import geometry
+from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.caging import PAST_THE_TOP, Cage, cages_between
 from wholearm_ros.mechanics.contacts import closed_pairs, pose_on_palm, start_configuration
-from wholearm_ros.mechanics.world import World, build_world
+from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.goal import ANGLE_TOLERANCE, GoalRegion, Margin, goal_region
 from wholearm_ros.model.orientation import (
     palm_angle_under,
@@ -19,16 +22,16 @@ from wholearm_ros.model.orientation import (
 from wholearm_ros.model.scenario import Scenario
 
 FLAT = 1e-4  # [rad] a rotation this near that of an edge lies on it
-MARGIN_ON_EDGE = np.array(
-    [0.5, 0.0, 1.0 - FLAT / ANGLE_TOLERANCE]
-)  # of the tolerances that a plan leaves
+# Shares of the goal's tolerances (x, height, rotation) that a plan leaves unused.
+MARGIN_ON_EDGE = np.array([0.5, 0.0, 1.0 - FLAT / ANGLE_TOLERANCE])
 MARGIN_AT_POSE = 0.5
 TOO_FAR = 0.1  # [rad] past the goal's rotation
 
 
 class Reach(NamedTuple):
-    """Where a centroid is within reach [m]: not so near to an end of the palm that the object may tip over it, and not far
-    above the fingertips."""
+    """Bounds of the centroid [m]: far enough from the ends of the palm that the object cannot tip
+    over them, and not far above the fingertips.
+    """
 
     left: float
     right: float
@@ -37,17 +40,21 @@ class Reach(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PlanningProblem:
-    """start: (5,) configuration; pairs: closed at the start; goal: where it shall go, of whose
-    tolerances a plan leaves `margin`; cages: in the order in which they are met; cage_intervals: (c, 2) rotations at which the object may be let go.
+    """What every search works on.
+
+    world: arrays of the scenario; start: (5,) configuration [m, rad]; pairs: closed at the start;
+    goal: the region to be reached, of whose tolerances a plan leaves `margin` unused; cages: in the
+    order in which they are met; cage_intervals: (c, 2) rotations between which the object may be
+    released in each [rad]; reach: bounds of the centroid.
     """
 
     scenario: Scenario
     world: World
     start: np.ndarray
-    pairs: tuple
+    pairs: tuple[int, ...]
     goal: GoalRegion
     margin: Margin
-    cages: tuple
+    cages: tuple[Cage, ...]
     cage_intervals: np.ndarray
     reach: Reach
 
@@ -56,12 +63,16 @@ class PlanningProblem:
         return self.goal.reached(pose, self.margin)
 
     def distance(self, pose: np.ndarray) -> float:
-        """Largest error of `pose` (3,) as a share of the goal's tolerance; errors that round to the same are the same."""
+        """Largest error of `pose` (3,) as a share of the goal's tolerance, rounded to 0.001 so that
+        equal errors compare equal.
+        """
         return round(self.goal.distance(pose), 3)
 
     def rotation_left(self, q: np.ndarray) -> float:
-        """Rotation [rad] until gravity alone turns the object on to the goal, negative past that; for a goal that no cage
-        leads to, all that is left of the way to it, in scaled coordinates."""
+        """Rotation [rad] from q (5,) to where gravity alone turns the object on to the goal,
+        negative past it; for a goal to which no cage leads, the distance left in scaled coordinates
+        [rad].
+        """
         if self.caged_goal:
             return float(self.cage_intervals[-1, 0] - q[2])
         away = self.goal.error(q[:3]) / self.world.scale[:3]
@@ -69,11 +80,13 @@ class PlanningProblem:
 
     @property
     def caged_goal(self) -> bool:
-        """Whether the last cage lays the object down in the goal's rotation."""
+        """Whether the last cage ends in the goal's rotation."""
         return bool(self.cages) and self.cages[-1].landing >= self.goal.rotation - FLAT
 
     def hopeless(self, q: np.ndarray) -> bool:
-        """Whether nothing good comes of q (5,): out of reach, turned too far, or a finger at an end stop."""
+        """Whether q (5,) leads nowhere: out of reach, turned too far, or a finger at an end
+        stop.
+        """
         limits = self.world.limits
         return bool(
             not self.reach.left <= q[0] <= self.reach.right
@@ -83,15 +96,17 @@ class PlanningProblem:
             or (q[3:] >= limits[:, 1]).any()
         )
 
-    def cage_at(self, angle: float) -> Cage:
-        """The cage in which the object at that rotation may be let go, or None."""
+    def cage_at(self, angle: float) -> Cage | None:
+        """The cage in which the object may be released at that rotation [rad], or None."""
         for cage, (low, high) in zip(self.cages, self.cage_intervals):
             if low <= angle <= high:
                 return cage
         return None
 
-    def landed(self, q: np.ndarray, cage: Cage) -> np.ndarray:
-        """q (5,) with the object come to rest below where it is, the fingers closed on it; None when there is no room."""
+    def landed(self, q: np.ndarray, cage: Cage) -> np.ndarray | None:
+        """(5,) the object at rest on the palm below q (5,), the fingers closed on it; None when
+        there is no room for a finger.
+        """
         segment = palm_segment_under(self.scenario.palm, q[0])
         pose = pose_on_palm(self.world, q[0], cage.landing, segment)
         w = self.world
@@ -102,7 +117,7 @@ class PlanningProblem:
 
 
 def build_problem(scenario: Scenario) -> PlanningProblem:
-    """The task of a counter-clockwise scenario.
+    """The problem of a counter-clockwise scenario.
 
     Raises ScenarioError when the fingers cannot touch the object or the start penetrates the hand.
     """
@@ -119,7 +134,9 @@ def build_problem(scenario: Scenario) -> PlanningProblem:
 
 
 def _reach(world: World) -> Reach:
-    """A fifth of a finger's length inside of the palm's ends, and as far above the tips of upright fingers."""
+    """A fifth of a finger's length inside the ends of the palm, and as much above the tips of
+    upright fingers.
+    """
     length, slack = world.fingers[:, 2].max(), 0.2 * world.fingers[:, 2].max()
     top = world.fingers[:, 1].max() + length + slack
     return Reach(float(world.palm[0, 0] + slack), float(world.palm[-1, 0] - slack), float(top))

@@ -1,33 +1,59 @@
 """Phase 1 as a whole: a scenario in, contact plans out, one route after the other."""
 
-from dataclasses import dataclass
-from typing import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from wholearm_ros.mechanics.mirror import mirror_plan
+from wholearm_ros.model.choices import Search
 from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.orientation import turns_clockwise
-from wholearm_ros.model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, TIME_SPENT, ContactPlan
+from wholearm_ros.model.plan import (
+    EXHAUSTED,
+    FOUND,
+    LIMIT_REACHED,
+    TIME_SPENT,
+    ContactPlan,
+    Leg,
+    Subgoal,
+)
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.planning.best_first_search import ArcGraph, best_route
+from wholearm_ros.planning.best_first_search import ArcGraph, BestRoute, Edge, EdgeKey, best_route
 from wholearm_ros.planning.main_random_search import main_random_search
-from wholearm_ros.planning.primitive_tree import STYLES, PrimitiveTree, Style, primitive_tree_search
+from wholearm_ros.planning.primitive_candidates import STYLES, Style
+from wholearm_ros.planning.primitive_tree import PrimitiveTree, primitive_tree_search
 from wholearm_ros.planning.problem import build_problem
 
-BEST, RANDOM = 'best', 'random'
+BEST, RANDOM = Search.best.value, Search.random.value
 Stop = Callable[[], bool]
 
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """search: best or random; seed: of the random one, and of the copies that judge dynamic moves; limit: of expansions
-    (i_max); move_limit: of moves simulated in one tree where the arcs do not lead to the goal, 0 for none."""
+    """search: BEST or RANDOM; seed: of the random search, and of the particles of the primitive
+    tree; limit: of expansions (i_max); move_limit: of simulations in one primitive tree.
+    """
 
     search: str = BEST
     seed: int = 0
     limit: int = 5000
     move_limit: int = 8000
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search came to: the fields of a ContactPlan that it fills."""
+
+    outcome: str
+    reason: str
+    counts: dict[str, Any]
+    subgoals: tuple[Subgoal, ...] = ()
+    path: tuple[int, ...] = ()
+    legs: tuple[Leg, ...] = ()
+    cost: dict[str, Any] = field(default_factory=dict)
 
 
 def make_routes(scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False) -> 'Routes':
@@ -39,91 +65,82 @@ def make_routes(scenario: Scenario, options: SearchOptions, stop: Stop = lambda:
 
 
 def plan(scenario: Scenario, options: SearchOptions = SearchOptions()) -> ContactPlan:
-    """The first route."""
+    """The first route. Raises as `make_routes` does."""
     return make_routes(scenario, options).next_plan()
 
 
-class Routes:
-    """Route after route; a clockwise scenario is searched as its mirror image. stop: whether to give up."""
+class Routes(ABC):
+    """Route after route; a clockwise scenario is searched as its mirror image.
 
-    def __init__(self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False):
+    stop: whether to give up, asked now and then.
+    """
+
+    def __init__(
+        self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False
+    ) -> None:
         self.scenario, self.options, self.stop = scenario, options, stop
         self._mirrored = turns_clockwise(scenario)
-        self.task = build_problem(scenario.mirrored() if self._mirrored else scenario)
+        self.problem = build_problem(scenario.mirrored() if self._mirrored else scenario)
 
-    def _plan(self, outcome, reason, network, counts, path=(), legs=(), cost=None) -> ContactPlan:
-        return self._document(
-            outcome,
-            reason,
-            {**counts, **network.counts()},
-            tuple(network.subgoals),
-            path,
-            legs,
-            cost or {},
-        )
+    def next_plan(self, failed_leg: int | None = None) -> ContactPlan:
+        """The next route, or why there is none; failed_leg: place of the leg on which the last plan
+        failed, if it did.
+        """
+        found, options = self._search(failed_leg), self.options
+        document = ContactPlan(self.problem.scenario, options.search, options.seed, **vars(found))
+        return mirror_plan(document, self.scenario) if self._mirrored else document
 
-    def _document(
-        self, outcome, reason, counts, subgoals=(), path=(), legs=(), cost=None
-    ) -> ContactPlan:
-        found = ContactPlan(
-            self.task.scenario,
-            self.options.search,
-            self.options.seed,
-            outcome,
-            reason,
-            counts,
-            subgoals,
-            path,
-            legs,
-            cost or {},
-        )
-        return mirror_plan(found, self.scenario) if self._mirrored else found
+    @abstractmethod
+    def _search(self, failed_leg: int | None) -> Found:
+        """See `next_plan`; of the counter-clockwise scenario."""
 
 
 class BestRoutes(Routes):
     """The best route first; each one that failed costs the graph the edge on which it failed."""
 
-    def __init__(self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False):
+    def __init__(
+        self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False
+    ) -> None:
         super().__init__(scenario, options, stop)
-        self.graph = ArcGraph(self.task, options.limit, stop)
-        self._without, self._edges = frozenset(), ()
+        self.graph = ArcGraph(self.problem, options.limit, stop)
+        self._without: frozenset[EdgeKey] = frozenset()
+        self._edges: tuple[Edge, ...] = ()
 
-    def next_plan(self, failed_leg: int = None) -> ContactPlan:
-        """The best route that avoids the edge of every leg (by its place in the last plan) that failed before."""
+    def _search(self, failed_leg: int | None) -> Found:
         if failed_leg is not None:
-            edge = self._edge_of_leg(failed_leg)
-            self._without |= {(edge.start, edge.choice)}
-        outcome, self._edges, margin, cost = best_route(self.graph, self._without)
-        counts = {'expansions': self.graph.traced, 'routes_ruled_out': len(self._without)}
+            self._without |= {self._edge_of_leg(failed_leg).key}
+        route = best_route(self.graph, self._without)
+        self._edges = route.edges
         network = self.graph.network
-        if outcome != FOUND:
-            return self._plan(outcome, _why(outcome, self._without), network, counts)
-        path, legs = [1], []
-        for edge in self._edges:
+        counts = {
+            'expansions': self.graph.traced,
+            'routes_ruled_out': len(self._without),
+            **network.counts(),
+        }
+        subgoals = tuple(network.subgoals)
+        if route.outcome != FOUND:
+            return Found(route.outcome, _why(route.outcome, self._without), counts, subgoals)
+        path: list[int] = [1]
+        legs: list[Leg] = []
+        for edge in route.edges:
             path.extend(edge.numbers)
             legs.extend(network.legs[n] for n in edge.numbers[1:])
             if edge.end is not None:
                 path.append(network.nodes[edge.end].number)
-        whole = (
-            'exhausted' if self.graph.exhausted else 'not exhausted, what is left of it is narrower'
-        )
+        cost = {'margin': route.margin, 'total': route.cost}
+        return Found(FOUND, self._reason(route), counts, subgoals, tuple(path), tuple(legs), cost)
+
+    def _reason(self, route: BestRoute) -> str:
+        exhausted = self.graph.exhausted
+        whole = 'exhausted' if exhausted else 'not exhausted, what is left of it is narrower'
         width = (
-            f'widest torque margin {margin:.3f} N m'
-            if margin > 0.0
+            f'widest torque margin {route.margin:.3f} N m'
+            if route.margin > 0.0
             else 'no torque margin where it is narrowest'
         )
-        reason = f'{width}, cost {cost:.2f}, best on the graph ({whole})'
-        return self._plan(
-            FOUND,
-            reason,
-            network,
-            counts,
-            tuple(path),
-            tuple(legs),
-            {'margin': margin, 'total': cost},
-        )
+        return f'{width}, cost {route.cost:.2f}, best on the graph ({whole})'
 
-    def _edge_of_leg(self, leg):
+    def _edge_of_leg(self, leg: int) -> Edge:
         for edge in self._edges:
             leg -= len(edge.numbers) - 1
             if leg < 0:
@@ -132,38 +149,37 @@ class BestRoutes(Routes):
 
 
 class RandomRoutes(Routes):
-    """The paper's search, with the right finger velocity-controlled, and with the left one when that finds none."""
+    """The paper's search, with the right finger velocity-controlled, and with the left one when
+    that finds none. Every call searches anew, whichever leg failed.
+    """
 
-    def __init__(self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False):
+    def __init__(
+        self, scenario: Scenario, options: SearchOptions, stop: Stop = lambda: False
+    ) -> None:
         super().__init__(scenario, options, stop)
         self._rng = np.random.default_rng(options.seed)
 
-    def next_plan(self, failed_leg: int = None) -> ContactPlan:
-        """Another random route; which leg failed makes no difference."""
+    def _search(self, failed_leg: int | None) -> Found:
         for finger in (RIGHT, LEFT):
             outcome, network, goal, iterations = main_random_search(
-                self.task, self._rng, self.options.limit, finger, self.stop
+                self.problem, self._rng, self.options.limit, finger, self.stop
             )
             if outcome == FOUND:
                 break
-        counts = {'iterations': iterations}
-        if outcome != FOUND:
-            return self._plan(outcome, _why(outcome, ()), network, counts)
+        counts = {'iterations': iterations, **network.counts()}
+        subgoals = tuple(network.subgoals)
+        if goal is None:
+            return Found(outcome, _why(outcome), counts, subgoals)
+        reason = f'reached after {iterations} iterations'
         path, legs = network.route_to(goal)
         margin, cost = network.cost_to(goal)
-        return self._plan(
-            FOUND,
-            f'reached after {iterations} iterations',
-            network,
-            counts,
-            path,
-            legs,
-            {'margin': margin, 'total': cost},
-        )
+        return Found(FOUND, reason, counts, subgoals, path, legs, {'margin': margin, 'total': cost})
 
 
 class PrimitiveRoutes(Routes):
-    """Routes of dynamic moves, each one another way through the tree of states at rest."""
+    """Routes of dynamic primitives, each one another way through the tree of states at rest,
+    whichever leg failed. style: of the tree's sweeps.
+    """
 
     def __init__(
         self,
@@ -171,30 +187,27 @@ class PrimitiveRoutes(Routes):
         options: SearchOptions,
         stop: Stop = lambda: False,
         style: Style = STYLES[0],
-    ):
+    ) -> None:
         super().__init__(scenario, options, stop)
-        self._tree = PrimitiveTree(self.task, options.seed, style)
+        self._tree = PrimitiveTree(self.problem, options.seed, style)
 
-    def next_plan(self, failed_leg: int = None) -> ContactPlan:
-        """The next route the tree grows into; which leg of the last one failed makes no difference."""
-        route = primitive_tree_search(self.task, self._tree, self.options.move_limit, self.stop)
-        counts = {'states_at_rest': len(self._tree.states), 'moves_simulated': self._tree.simulated}
+    def _search(self, failed_leg: int | None) -> Found:
+        route = primitive_tree_search(self.problem, self._tree, self.options.move_limit, self.stop)
+        counts = {
+            'states_at_rest': len(self._tree.states),
+            'moves_simulated': self._tree.simulated,
+        }
         if route is None:
-            return self._document(
-                *self._why_none(),
-                counts,
-            )
+            return Found(*self._why_none(), counts)
         subgoals, legs = route
-        cost = {'total': float(len(legs))}
-        reason = f'{len(legs)} legs of dynamic moves and caging'
-        return self._document(
+        return Found(
             FOUND,
-            reason,
+            f'{len(legs)} legs of dynamic moves and caging',
             {**counts, 'subgoals': len(subgoals)},
             tuple(subgoals),
             tuple(s.number for s in subgoals),
             tuple(legs),
-            cost,
+            {'total': float(len(legs))},
         )
 
     def _why_none(self) -> tuple[str, str]:
@@ -207,7 +220,8 @@ class PrimitiveRoutes(Routes):
         return EXHAUSTED, f'{none}, and no state at rest is left to go on from'
 
 
-def _why(outcome, without):
+def _why(outcome: str, without: frozenset[EdgeKey] = frozenset()) -> str:
+    """Why a search of the contact states found no route."""
     if outcome == TIME_SPENT:
         return 'the time was spent before the search found a route'
     if outcome != EXHAUSTED:

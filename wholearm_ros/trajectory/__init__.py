@@ -1,1 +1,1 @@
-"""Phase 2: from a contact plan to what both fingers do over time, and whether it survives forward simulation."""
+"""Phase 2: from a contact plan to what both fingers do over time."""

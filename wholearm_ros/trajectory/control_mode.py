@@ -5,18 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from wholearm_ros.kernels import geometry
+from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.contacts import contact_rows
-from wholearm_ros.mechanics.world import World
 
 
 @dataclass(frozen=True)
 class ControlMode:
-    """What speaks for and against one finger as the velocity-controlled one.
+    """How suitable one finger is as the velocity-controlled one.
 
-    degree_of_constraint: constraints that palm and velocity finger put on the object, redundant ones counted, too, as it is
-    they that jam when positions are not exact (the smaller the better);
-    conditioning: ratio of the least to the largest singular value of [G_nᵀ, −J_nT] in scaled coordinates, 0 when condition 1
-    of II-C fails: how well the velocity finger's motion and the other one's torque determine everything else.
+    degree_of_constraint: number of constraints that palm and velocity finger put on the object
+    (DOC, the smaller the better); redundant ones count, as they are what jams when positions are
+    not exact; conditioning: ratio of the least to the largest singular value of [G_nᵀ, −J_nT] in
+    scaled coordinates, that is, how well the motion of the velocity finger and the torque of the
+    other one determine everything else; 0 when condition 1 of II-C fails.
     """
 
     velocity_finger: int
@@ -24,8 +25,10 @@ class ControlMode:
     conditioning: float
 
 
-def control_mode(world: World, pairs: tuple, q: np.ndarray, velocity_finger: int) -> ControlMode:
-    """Judge `velocity_finger` (LEFT or RIGHT) at a configuration with four closed pairs."""
+def control_mode(
+    world: World, pairs: tuple[int, ...], q: np.ndarray, velocity_finger: int
+) -> ControlMode:
+    """Of `velocity_finger` (LEFT or RIGHT) at a configuration q (5,) with four closed pairs."""
     rows = contact_rows(world, pairs, q)[0] * world.scale
     bodies = np.array([geometry.pair_body(c) for c in pairs])
     constraints = int(((bodies == geometry.PALM) | (bodies == 1 + velocity_finger)).sum())

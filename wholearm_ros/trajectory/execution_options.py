@@ -1,27 +1,29 @@
 """The choices of Phase 2: what a plan document's `execution` holds."""
 
 from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.choices import Transition
 from wholearm_ros.model.trajectory import DWELL, DYNAMIC
 
-AUTO, FRONT, REAR = (
-    'auto',
-    'front',
-    'rear',
-)  # the front finger is the one towards which the object turns: left when ccw
+# The front finger is the one towards which the object turns: left when counter-clockwise.
+AUTO, FRONT, REAR = Transition.auto.value, 'front', 'rear'
 
 
 @dataclass(frozen=True)
 class ExecutionOptions:
-    """torque_margin, caging_torque, extra_torque: τ_margin, τ_caging (a ceiling) and τ_extra of the paper [N m];
-    range_fraction: of the torque range that the margin may use; transition: dwell or dynamic, where ranges do not overlap;
-    dynamic_lead, dynamic_hold: how long before the transition the extra torque begins, and how long it is kept after [s];
-    velocity_finger: front or rear for the whole plan, or auto (by III-B.4 for every leg);
-    caging_finger: front or rear, which is velocity-controlled while the object is laid down;
-    holding_torque: with which the torque finger keeps the object at the goal [N m];
-    speed, acceleration: limits of every joint [rad/s, rad/s²]; slew: of the torque [N m/s]; settle: pause after a dwell's
-    ramp [s]; period: of the samples [s].
+    """How Phase 2 executes a plan.
+
+    torque_margin, caging_torque, extra_torque: τ_margin, τ_caging (an upper bound) and τ_extra of
+    the paper [N m]; range_fraction: share of the torque range that the margin may use;
+    transition: DWELL or DYNAMIC, where ranges do not overlap; dynamic_lead, dynamic_hold: how long
+    before the transition the extra torque begins, and how long it is held after it [s];
+    velocity_finger: FRONT or REAR for the whole plan, or AUTO (III-B.4, leg by leg);
+    caging_finger: FRONT or REAR, which is velocity-controlled in a caging descent;
+    holding_torque: with which the torque finger holds the object at the goal [N m];
+    speed, acceleration: limits of every joint [rad/s, rad/s²]; slew: rate limit of the torque
+    [N m/s]; settle: pause after a dwell [s]; period: of the samples [s].
     """
 
     torque_margin: float = 0.5
@@ -40,11 +42,12 @@ class ExecutionOptions:
     settle: float = 0.06
     period: float = 0.004
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name, for documents."""
         return asdict(self)
 
     @classmethod
-    def from_dict(cls, values: dict) -> 'ExecutionOptions':
+    def from_dict(cls, values: dict[str, Any]) -> 'ExecutionOptions':
         """Raises DocumentError for an unknown name or a wrong kind of value."""
         known = {f.name: type(f.default) for f in fields(cls)}
         for name, value in values.items():
@@ -63,7 +66,6 @@ class ExecutionOptions:
             ('caging_finger', (FRONT, REAR)),
         ):
             if getattr(options, name) not in allowed:
-                raise DocumentError(
-                    f'execution: {name} is {getattr(options, name)!r}; allowed: {", ".join(allowed)}'
-                )
+                got = getattr(options, name)
+                raise DocumentError(f'execution: {name} is {got!r}; allowed: {", ".join(allowed)}')
         return options

@@ -1,11 +1,13 @@
 """A trajectory while it is being put together: samples and segments, appended stroke by stroke."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.contacts import pair_name
-from wholearm_ros.mechanics.world import World
+from wholearm_ros.model.configuration import JOINTS, POSE
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.trajectory import (
     DWELL,
@@ -17,145 +19,164 @@ from wholearm_ros.model.trajectory import (
 from wholearm_ros.rollout.primitive_rollout import PERIOD, Rest, simulate_primitive
 from wholearm_ros.trajectory.control_mode import control_mode
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
+from wholearm_ros.trajectory.stroke_motion import StrokeMotion
 
 SHORTEST_RAMP = 0.02  # [s]
+NONE = np.full(2, np.nan)  # the torque range of a sample that has none
 
 
 class TrajectoryBuilder:
-    """Starts at rest in q (5,), both fingers carrying only themselves."""
+    """Starts at rest in q (5,), the fingers bearing only their own weight.
 
-    def __init__(self, world: World, q: np.ndarray, options: ExecutionOptions):
-        self.world, self.options, self.transitions = world, options, []
-        self._stands = np.asarray(q, float)
+    A dynamic transition takes up the end of the stroke before it, so that every stroke is appended
+    with the one that follows; what has been appended stays as it is.
+    """
+
+    def __init__(self, world: World, q: np.ndarray, options: ExecutionOptions) -> None:
+        self.world, self.options = world, options
+        self._stands = np.asarray(q, float)  # (5,) configuration at the end
         self._q = [self._stands[None]]
-        self._efforts = [(world.finger_moment * np.cos(q[3:]))[None]]
-        self._ranges = [np.full((1, 2), np.nan)]
-        self._segments, self._count = [], 1
+        self._efforts = [(world.finger_moment * np.cos(q[JOINTS]))[None]]
+        self._ranges = [NONE[None]]
+        self._segments: list[Segment] = []
 
-    def ramp_to(self, efforts: np.ndarray, velocity_finger: int, pairs: tuple):
-        """Dwell: at rest, the efforts (2,) change linearly. Both ends are equilibria of the closed contacts, and so,
-        as equilibria are convex in the forces, is everything between."""
+    def append(self, motion: StrokeMotion, following: StrokeMotion | None) -> None:
+        """Get_NewConfig: a stroke, with the dwell before it and the dynamic transition after it, if
+        `following` begins with one.
+        """
+        first, side = motion.stroke.pieces[0], motion.stroke.velocity_finger
+        if first.move is not None:
+            self._append_primitive(first.move, first.pairs)
+            return
+        if not motion.dynamic:
+            self._ramp_to(motion.efforts[0], side, first.pairs, motion.ranges[0])
+        if following is not None and following.dynamic:
+            self._append_stroke_into(motion, following)
+        else:
+            self._append_samples(motion.configurations[1:], motion.efforts[1:], motion.ranges[1:])
+            self._close_pieces(motion)
+        if motion.holding is not None:
+            self._ramp_to(motion.holding, side, first.pairs)
+
+    def _append_stroke_into(self, motion: StrokeMotion, following: StrokeMotion) -> None:
+        """Dynamic manipulation: the first efforts of `following`, more than the contact state of
+        this stroke can carry, are reached from `dynamic_lead` before its end on, and kept until the
+        object has come to rest in the next contact state.
+        """
+        period, efforts = self.options.period, following.efforts[0]
+        lead = self._lead(motion)
+        before = motion.efforts[-lead - 1]
+        ramp = max(1, int(np.ceil(np.abs(efforts - before).max() / (self.options.slew * period))))
+        after = max(ramp - lead, 0) + int(np.ceil(self.options.dynamic_hold / period))
+        u = np.minimum(np.arange(1, lead + after + 1) / ramp, 1.0)[:, None]
+        values = (1.0 - u) * before + u * efforts
+        changed = np.vstack([motion.efforts[1:-lead], values[:lead]])
+        self._append_samples(motion.configurations[1:], changed, motion.ranges[1:])
+        self._close_pieces(motion)
+        cut = self._segments[-1]
+        self._segments[-1] = replace(cut, end=cut.end - lead * period)
+        self._append_rest(values[lead:], following.ranges[0])
+        first = following.stroke.pieces[0]
+        self._close(DYNAMIC, following.stroke.velocity_finger, first.pairs, lead + after)
+
+    def _lead(self, motion: StrokeMotion) -> int:
+        """Samples at the end of a stroke that a dynamic transition takes up; at least one is left
+        to the last piece.
+        """
+        wanted = int(round(self.options.dynamic_lead / self.options.period))
+        of_last_piece = int((motion.of_piece[1:] == motion.of_piece[-1]).sum())
+        return max(1, min(wanted, of_last_piece - 1))
+
+    def _ramp_to(
+        self,
+        efforts: np.ndarray,
+        velocity_finger: int,
+        pairs: tuple[int, ...],
+        last_range: np.ndarray = NONE,
+    ) -> None:
+        """Dwell: at rest, the efforts (2,) change linearly. Both ends are equilibria of the closed
+        contacts, and so is everything between, as equilibria are convex in the forces.
+
+        last_range: (2,) of the last sample [N m].
+        """
         before = self._efforts[-1][-1]
         ramp = max(SHORTEST_RAMP, float(np.abs(efforts - before).max()) / self.options.slew)
         count = int(np.ceil(ramp / self.options.period))
         rest = int(np.ceil(self.options.settle / self.options.period))
         u = np.concatenate([np.arange(1, count + 1) / count, np.ones(rest)])[:, None]
-        values = (1.0 - u) * before + u * efforts
-        self._append(
-            np.repeat(self._q[-1][-1:], len(u), axis=0), values, np.full((len(u), 2), np.nan)
-        )
+        self._append_rest((1.0 - u) * before + u * efforts, last_range)
         self._close(DWELL, velocity_finger, pairs, len(u))
 
-    def break_equilibrium(self, efforts: np.ndarray, velocity_finger: int, pairs: tuple):
-        """Dynamic manipulation: the efforts (2,) are reached, from `dynamic_lead` before the end of the last stroke on,
-        where they are more than its contact state can carry, and kept until the object has come to rest in the next one."""
-        period, lead = self.options.period, self._lead()
-        before = self._efforts[-1][-lead - 1]
-        ramp = max(1, int(np.ceil(np.abs(efforts - before).max() / (self.options.slew * period))))
-        after = max(ramp - lead, 0) + int(np.ceil(self.options.dynamic_hold / period))
-        u = np.minimum(np.arange(1, lead + after + 1) / ramp, 1.0)[:, None]
-        values = (1.0 - u) * before + u * efforts
-        self._efforts[-1][-lead:] = values[:lead]
-        last = self._segments.pop()
-        self._segments.append(replace(last, end=last.end - lead * period))
-        self._append(
-            np.repeat(self._q[-1][-1:], after, axis=0), values[lead:], np.full((after, 2), np.nan)
-        )
-        self._close(DYNAMIC, velocity_finger, pairs, lead + after)
-
-    def _lead(self):
-        """Samples of the last stroke, of which at least one is left to it."""
-        segment = self._segments[-1]
-        whole = int(round((segment.end - segment.start) / self.options.period))
-        return max(
-            1,
-            min(
-                int(round(self.options.dynamic_lead / self.options.period)),
-                whole - 1,
-                len(self._q[-1]) - 1,
-            ),
-        )
-
-    def extend(
-        self,
-        mode: str,
-        velocity_finger: int,
-        q: np.ndarray,
-        efforts: np.ndarray,
-        ranges: np.ndarray,
-        pieces: list,
-        of_piece: np.ndarray,
-    ):
-        """Append a stroke whose first sample is where the trajectory stands; one segment for each piece of it."""
-        self._append(q[1:], efforts[1:], ranges[1:])
-        self._ranges[-2][-1] = ranges[0]
-        for k, piece in enumerate(pieces):
-            count = int((of_piece[1:] == k).sum())
-            if count:
-                self._close(mode, velocity_finger, piece.pairs, count)
-
-    def extend_move(self, move: MotionPrimitive, pairs: tuple):
-        """Append a move from where the hand stands: its torque ramp as a dwell, the rest of it as dynamic."""
+    def _append_primitive(self, move: MotionPrimitive, pairs: tuple[int, ...]) -> None:
+        """A motion primitive from where the hand stands: its torque ramp as a dwell, the rest of it
+        as dynamic.
+        """
         start = Rest(self._stands, self._efforts[-1][-1])
         record = simulate_primitive(self.world, start, move)
         if not record.at_rest:
-            raise ValueError(f'move {move.to_dict()} does not end at rest')
+            raise ValueError(f'primitive {move.to_dict()} does not end at rest')
         if abs(self.options.period - PERIOD) > 1e-12:
             raise ValueError(
                 f'period {self.options.period} s; dynamic legs are made for {PERIOD} s'
             )
         q = record.configurations.copy()
-        q[:, 3:] = record.setpoints(start)[0][1:]
-        none = np.full((len(q), 2), np.nan)
-        ramp = record.ramp
-        self._append(q[:ramp], record.efforts[:ramp], none[:ramp])
+        q[:, JOINTS] = record.setpoints(start)[0][1:]
+        none, ramp = np.full((len(q), 2), np.nan), record.ramp
+        self._append_samples(q[:ramp], record.efforts[:ramp], none[:ramp])
         self._close(DWELL, move.velocity_finger, pairs, ramp)
-        self._append(q[ramp:], record.efforts[ramp:], none[ramp:])
+        self._append_samples(q[ramp:], record.efforts[ramp:], none[ramp:])
         self._close(DYNAMIC, move.velocity_finger, pairs, len(q) - ramp)
-        self._stands = record.configurations[
-            -1
-        ]  # a stiff finger is not quite where it was told to be
+        self._stands = record.configurations[-1]  # even a stiff finger is not quite at its setpoint
 
-    def hold(self, seconds: float):
-        """Stay where it is; the fingers keep their torques."""
+    def hold(self, seconds: float) -> None:
+        """Stay there; the fingers keep their torques."""
         count = int(np.ceil(seconds / self.options.period))
-        self._append(
-            np.repeat(self._q[-1][-1:], count, axis=0),
-            np.repeat(self._efforts[-1][-1:], count, axis=0),
-            np.full((count, 2), np.nan),
-        )
-        self._segments[-1] = replace(self._segments[-1], end=self._time())
+        self._append_rest(np.repeat(self._efforts[-1][-1:], count, axis=0), NONE)
+        end = (sum(map(len, self._q)) - 1) * self.options.period
+        self._segments[-1] = replace(self._segments[-1], end=end)
 
-    def finish(self, plan_id: str) -> ManipulationTrajectory:
-        """The trajectory so far."""
+    def finish(
+        self, plan_id: str, transitions: tuple[dict[str, Any], ...]
+    ) -> ManipulationTrajectory:
+        """The trajectory so far; transitions: reports of Check_Transition, for its document."""
         q, period = np.concatenate(self._q), self.options.period
         velocities = np.zeros((len(q), 2))
-        velocities[1:-1] = (q[2:, 3:] - q[:-2, 3:]) / (2.0 * period)
+        velocities[1:-1] = (q[2:, JOINTS] - q[:-2, JOINTS]) / (2.0 * period)
         return ManipulationTrajectory(
             plan_id,
             period,
-            q[:, 3:],
+            q[:, JOINTS],
             velocities,
             np.concatenate(self._efforts),
             np.concatenate(self._ranges),
-            q[:, :3],
+            q[:, POSE],
             tuple(self._segments),
-            tuple(self.transitions),
+            transitions,
         )
 
-    def _time(self):
-        return (self._count - 1) * self.options.period
+    def _append_rest(self, efforts: np.ndarray, last_range: np.ndarray) -> None:
+        """Samples at the configuration reached, with efforts (k, 2) and no ranges but the last."""
+        ranges = np.full((len(efforts), 2), np.nan)
+        ranges[-1] = last_range
+        self._append_samples(np.repeat(self._q[-1][-1:], len(efforts), axis=0), efforts, ranges)
 
-    def _append(self, q, efforts, ranges):
+    def _append_samples(self, q: np.ndarray, efforts: np.ndarray, ranges: np.ndarray) -> None:
+        """Samples (k, 5), (k, 2), (k, 2), of no segment yet."""
         self._q.append(q)
         self._stands = q[-1]
         self._efforts.append(efforts)
         self._ranges.append(ranges)
-        self._count += len(q)
 
-    def _close(self, mode, velocity_finger, pairs, count):
+    def _close_pieces(self, motion: StrokeMotion) -> None:
+        """A segment for each piece of the stroke that was appended."""
+        for k, piece in enumerate(motion.stroke.pieces):
+            count = int((motion.of_piece[1:] == k).sum())
+            if count:
+                self._close(piece.mode, piece.velocity_finger, piece.pairs, count)
+
+    def _close(self, mode: str, velocity_finger: int, pairs: tuple[int, ...], count: int) -> None:
+        """The segment of the last `count` samples that belong to none."""
         start = self._segments[-1].end if self._segments else 0.0
-        end = start + count * self.options.period
         modes = (
             [
                 control_mode(self.world, pairs, self._q[-1][-1], side)
@@ -167,7 +188,7 @@ class TrajectoryBuilder:
         self._segments.append(
             Segment(
                 start,
-                end,
+                start + count * self.options.period,
                 mode,
                 velocity_finger,
                 tuple(map(pair_name, pairs)),

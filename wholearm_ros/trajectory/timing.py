@@ -1,4 +1,4 @@
-"""Fifth-order polynomials from rest to rest, and how long they must take (MAIN_TRAJECTORY step 5)."""
+"""Duration of a stroke by a fifth-order polynomial (MAIN_TRAJECTORY step 5)."""
 
 import numpy as np
 
@@ -8,10 +8,12 @@ SHORTEST = 0.08  # [s] of one stroke
 
 
 def stroke_duration(distance: float, fastest: float, speed: float, acceleration: float) -> float:
-    """Least duration [s] of a stroke of the velocity finger over `distance` [rad].
+    """Least duration [s] in which the velocity finger turns by `distance` [rad] and every
+    coordinate keeps to its limits.
 
-    fastest: how many times as fast as it the fastest other coordinate moves (all in scaled coordinates);
-    speed, acceleration: limits [rad/s, rad/s²] for all of them.
+    fastest: ratio of the speed of the fastest coordinate to that of the velocity finger, in scaled
+    coordinates; speed, acceleration: limits of all of them [rad/s, rad/s²].
     """
     d = abs(distance) * max(1.0, fastest)
-    return max(SHORTEST, PEAK_SPEED * d / speed, np.sqrt(PEAK_ACCELERATION * d / acceleration))
+    by_acceleration = float(np.sqrt(PEAK_ACCELERATION * d / acceleration))
+    return max(SHORTEST, PEAK_SPEED * d / speed, by_acceleration)

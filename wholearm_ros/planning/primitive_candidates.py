@@ -1,0 +1,108 @@
+"""Candidates of the primitive tree: the motion primitives worth simulating from a state at rest.
+
+Either finger is swept either way under a few torques of the other one; every so far along a sweep
+is a place to stop. Near the top of the last cage there are flings, too: quick primitives whose
+momentum carries the object over configurations that no torque holds.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from wholearm_ros.mechanics.contacts import closed_pairs, four_contact_subsets
+from wholearm_ros.mechanics.quasistatic import build_quasistatics
+from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
+from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
+from wholearm_ros.model.motion_primitive import MotionPrimitive
+from wholearm_ros.planning.problem import PlanningProblem
+from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest
+
+SWEEP = 0.9  # [rad]
+STOP_EVERY = 0.1  # [rad] along a sweep
+JAMMED = 0.1  # [rad] by which a swept finger may lag behind before the sweep counts as jammed
+LONG_SETTLE = 0.6  # [s] for a primitive that does not end at rest at once
+FLING_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
+FLING_TORQUES = (0.2, 1.0, 3.5)  # [N m]
+FLING_SPEED, FLING_SLEW = 5.0, 50.0  # [rad/s], [N m/s]
+FLING_WITHIN = 0.8  # [rad] of where the object may be released
+TOUCHING = 2e-4  # [m] gap of a closed pair after a simulation
+
+
+@dataclass(frozen=True)
+class Style:
+    """Of a tree's sweeps: peak speed [rad/s], and torques of the other finger towards closing
+    [N m].
+    """
+
+    speed: float
+    torques: tuple[float, ...]
+
+
+STYLES = Style(2.0, (0.05, 0.2, 0.6, 1.5, 3.5)), Style(1.2, (0.1, 0.35, 1.0, 2.5))
+
+
+def sweeps(problem: PlanningProblem, q: np.ndarray, style: Style) -> list[MotionPrimitive]:
+    """Sweeps of either finger either way from q (5,), under every torque of the other."""
+    return [
+        MotionPrimitive(side, way * SWEEP, torque, style.speed, settle=0.0)
+        for side in (LEFT, RIGHT)
+        for way, torque in product((1.0, -1.0), _torques(problem, q, 1 - side, style))
+    ]
+
+
+def flings(problem: PlanningProblem, q: np.ndarray) -> list[MotionPrimitive]:
+    """Quick primitives from q (5,), where the top of the last cage is near."""
+    if not problem.caged_goal or problem.rotation_left(q) >= FLING_WITHIN:
+        return []
+    return [
+        MotionPrimitive(side, turn, torque, FLING_SPEED, LONG_SETTLE, FLING_SLEW)
+        for side, turn, torque in product((LEFT, RIGHT), FLING_TURNS, FLING_TORQUES)
+    ]
+
+
+def stops_along(
+    problem: PlanningProblem, rest: Rest, sweep: MotionPrimitive, record: PrimitiveRecord
+) -> Iterator[tuple[MotionPrimitive, np.ndarray]]:
+    """Primitives that stop on the way of a simulated sweep, and where (5,) each of them stops, as
+    far as nothing is hopeless.
+    """
+    side = sweep.velocity_finger
+    turned = np.abs(record.wanted - rest.q[3 + side])
+    for stop in _stops(problem, turned, record):
+        i = int(np.searchsorted(turned, stop - 1e-9))
+        if i >= len(turned):
+            return
+        q = record.configurations[i]
+        if abs(q[3 + side] - record.wanted[i]) > JAMMED or problem.hopeless(q):
+            return
+        yield MotionPrimitive(side, float(np.sign(sweep.turn) * stop), sweep.torque), q
+
+
+def _stops(problem: PlanningProblem, turned: np.ndarray, record: PrimitiveRecord) -> np.ndarray:
+    """Turns [rad] of the finger after which to stop: every so far, and, for a goal to which no cage
+    leads, where the object is nearest to it. turned: (m,) at every record [rad].
+    """
+    stops = np.arange(STOP_EVERY, SWEEP + 1e-9, STOP_EVERY)
+    if problem.caged_goal:
+        return stops
+    away = [problem.goal.distance(q[:3]) for q in record.configurations]
+    return np.sort(np.append(stops, turned[int(np.argmin(away))]))
+
+
+def _torques(problem: PlanningProblem, q: np.ndarray, side: int, style: Style) -> list[float]:
+    """Torques [N m] of finger `side` worth trying from q (5,): those of the style, and one inside
+    the range of each of its four-contact equilibria.
+    """
+    torques = list(style.torques)
+    for pairs in four_contact_subsets(closed_pairs(problem.world, q, TOUCHING)):
+        model = build_quasistatics(problem.world, pairs, q)
+        found = solve_torque_range(build_torque_range(model, side, problem.world.torque_limits))
+        if found.empty:
+            continue
+        ends = sorted(CLOSING[side] * (np.array([found.low, found.high]) - model.g_h[side]))
+        wanted = ends[0] + min(0.5, 0.5 * (ends[1] - ends[0]))
+        if all(abs(wanted - other) > 0.2 * abs(other) for other in torques):
+            torques.append(float(wanted))
+    return torques
