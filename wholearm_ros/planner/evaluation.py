@@ -143,8 +143,7 @@ class Evaluation:
 
 def _failed_leg(candidate: Candidate) -> int:
     """Place of the leg on which the first failed rollout left the plan; the last leg when it kept
-    to
-    the plan to the end.
+    to the plan to the end.
     """
     legs, trajectory = candidate.plan.legs, candidate.trajectory
     rollout = next((r for r in candidate.verification.rollouts if not r.success), None)
