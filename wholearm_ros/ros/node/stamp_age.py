@@ -8,9 +8,10 @@ SLOWEST = 0.5  # of real time: a sender whose stamps advance at least so fast is
 class StampAge:
     """Age against the freshest message so far, whose lag is taken to grow all the time.
 
-    Clocks of two machines differ, which shifts all stamps alike; and the stamps of a simulated hand on a machine that
-    cannot keep up fall behind the clock little by little, though every state is new when it is sent. A message that
-    comes later than both explain has waited on its way or in this process.
+    Clocks of two machines differ, which shifts all stamps alike; and the stamps of a simulated hand
+    on a machine that cannot keep up fall behind the clock little by little, though every state is
+    new when it is sent. A message that comes later than both explain has waited on its way or in
+    this process.
     """
 
     def __init__(self) -> None:
