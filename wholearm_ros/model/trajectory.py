@@ -1,7 +1,10 @@
-"""A manipulation trajectory: what both fingers shall do over time, in which mode, and why it is expected to work."""
+"""A manipulation trajectory: what both fingers shall do over time, in which mode, and why it is
+expected to work.
+"""
 
 import json
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -20,28 +23,58 @@ MODES = (QUASI_STATIC, DWELL, DYNAMIC, CAGING)
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of time [s] in one mode, one contact state and one assignment of control modes (III-B.4).
+    """A stretch of time [s] in one mode, one contact state and one assignment of control modes
+    (III-B.4).
 
-    contacts: names of the closed contact pairs; velocity_finger: LEFT or RIGHT, the other one is torque-controlled;
-    degree_of_constraint, conditioning: of that assignment and (second) of the opposite one.
+    contacts: names of the closed contact pairs; velocity_finger: LEFT or RIGHT, the other one is
+    torque-controlled; degree_of_constraint, conditioning: of that assignment and (second) of the
+    opposite one.
     """
 
     start: float
     end: float
     mode: str
     velocity_finger: int
-    contacts: tuple = ()
-    degree_of_constraint: tuple = ()
-    conditioning: tuple = ()
+    contacts: tuple[str, ...] = ()
+    degree_of_constraint: tuple[int, ...] = ()
+    conditioning: tuple[float, ...] = ()
 
     @property
     def torque_finger(self) -> int:
+        """LEFT or RIGHT: the other one."""
         return 1 - self.velocity_finger
+
+    def to_dict(self) -> dict[str, Any]:
+        """For documents."""
+        return {
+            'start': self.start,
+            'end': self.end,
+            'mode': self.mode,
+            'velocity_finger': SIDES[self.velocity_finger],
+            'contacts': list(self.contacts),
+            'degree_of_constraint': list(self.degree_of_constraint),
+            'conditioning': list(self.conditioning),
+        }
+
+    @classmethod
+    def from_dict(cls, d: dict[str, Any]) -> 'Segment':
+        """Raises one of DAMAGES of `plan.py` when something is missing or of the wrong kind."""
+        return cls(
+            float(d['start']),
+            float(d['end']),
+            d['mode'],
+            SIDES.index(d['velocity_finger']),
+            tuple(d['contacts']),
+            tuple(d['degree_of_constraint']),
+            tuple(d['conditioning']),
+        )
 
 
 @dataclass(frozen=True)
 class Sample:
-    """The trajectory at one instant: angles, velocities, efforts are (2,) [rad, rad/s, N m], left then right."""
+    """The trajectory at one instant: angles, velocities, efforts are (2,) [rad, rad/s, N m], left
+    then right.
+    """
 
     segment: Segment
     angles: np.ndarray
@@ -53,13 +86,13 @@ class Sample:
 class ManipulationTrajectory:
     """Sampled every `period` [s] from t = 0.
 
-    angles, velocities, efforts: (m, 2) [rad, rad/s, N m], left then right; the effort of the velocity-controlled
-    finger is its equilibrium torque (feed-forward), that of the torque-controlled finger its command.
-    torque_ranges: (m, 2) [N m], (τ_min, τ_max) of the torque-controlled finger, NaN where there is none.
-    poses: (m, 3) planned object pose, centroid [m] and rotation [rad].
-    segments: in order, without gaps, from 0 to the last sample's time.
-    probe: the motion that feels what came of it, None for none.
-    band: of the finger angles in the rollouts that ended at the goal, None when it is not known.
+    angles, velocities, efforts: (m, 2) [rad, rad/s, N m], left then right; the effort of the
+    velocity-controlled finger is its equilibrium torque (feed-forward), that of the
+    torque-controlled finger its command. torque_ranges: (m, 2) [N m], (τ_min, τ_max) of the
+    torque-controlled finger, NaN where there is none. poses: (m, 3) planned object pose, centroid
+    [m] and rotation [rad]. segments: in order, without gaps, from 0 to the last sample's time.
+    probe: the motion that feels what came of it, None for none. band: of the finger angles in the
+    rollouts that ended at the goal, None when it is not known.
     """
 
     plan_id: str
@@ -69,14 +102,14 @@ class ManipulationTrajectory:
     efforts: np.ndarray
     torque_ranges: np.ndarray
     poses: np.ndarray
-    segments: tuple
-    transitions: tuple = ()
-    verification: dict | None = None
-    notes: dict = field(default_factory=dict)
+    segments: tuple[Segment, ...]
+    transitions: tuple[dict[str, Any], ...] = ()
+    verification: dict[str, Any] | None = None
+    notes: dict[str, Any] = field(default_factory=dict)
     probe: Probe | None = None
     band: Band | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2), ('poses', 3)):
             object.__setattr__(self, name, readonly(getattr(self, name), (-1, width)))
         ranges = np.array(self.torque_ranges, dtype=float).reshape(-1, 2)
@@ -85,12 +118,13 @@ class ManipulationTrajectory:
 
     @property
     def times(self) -> np.ndarray:
-        """(m,) [s]"""
-        return self.period * np.arange(len(self.angles))
+        """(m,) times of the samples [s]."""
+        times: np.ndarray = self.period * np.arange(len(self.angles))
+        return times
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """Time of the last sample [s]."""
         return self.period * (len(self.angles) - 1)
 
     def segment_at(self, t: float) -> Segment:
@@ -113,7 +147,7 @@ class ManipulationTrajectory:
         efforts = (1 - u) * self.efforts[i] + u * self.efforts[i + 1]
         return Sample(self.segment_at(t), angles, velocities, efforts)
 
-    def time_in_modes(self) -> dict:
+    def time_in_modes(self) -> dict[str, float]:
         """Seconds in each mode."""
         total = dict.fromkeys(MODES, 0.0)
         for s in self.segments:
@@ -135,18 +169,7 @@ class ManipulationTrajectory:
                     [None if np.isnan(v) else v for v in row] for row in self.torque_ranges.tolist()
                 ],
                 'poses': self.poses.tolist(),
-                'segments': [
-                    {
-                        'start': s.start,
-                        'end': s.end,
-                        'mode': s.mode,
-                        'velocity_finger': SIDES[s.velocity_finger],
-                        'contacts': list(s.contacts),
-                        'degree_of_constraint': list(s.degree_of_constraint),
-                        'conditioning': list(s.conditioning),
-                    }
-                    for s in self.segments
-                ],
+                'segments': [segment.to_dict() for segment in self.segments],
                 'transitions': list(self.transitions),
                 'verification': self.verification,
                 'notes': self.notes,
@@ -159,28 +182,19 @@ class ManipulationTrajectory:
 
     @classmethod
     def from_json(cls, text: str) -> 'ManipulationTrajectory':
-        """Raises DocumentError when `text` is damaged, of another format, or inconsistent in itself."""
+        """Raises DocumentError when `text` is damaged, of another format, or inconsistent in
+        itself.
+        """
         try:
             d = json.loads(text)
             if d.get('format') not in READABLE:
                 raise DocumentError(
                     f'trajectory document: format is {d.get("format")!r}; allowed: {READABLE}'
                 )
-            segments = tuple(
-                Segment(
-                    float(s['start']),
-                    float(s['end']),
-                    s['mode'],
-                    SIDES.index(s['velocity_finger']),
-                    tuple(s['contacts']),
-                    tuple(s['degree_of_constraint']),
-                    tuple(s['conditioning']),
-                )
-                for s in d['segments']
+            segments = tuple(map(Segment.from_dict, d['segments']))
+            ranges = np.array(
+                [[np.nan if v is None else float(v) for v in row] for row in d['torque_ranges']]
             )
-            ranges = [
-                [np.nan if v is None else float(v) for v in row] for row in d['torque_ranges']
-            ]
             result = cls(
                 d['plan_id'],
                 float(d['period']),
@@ -214,7 +228,7 @@ class ManipulationTrajectory:
         result._check()
         return result
 
-    def _check(self):
+    def _check(self) -> None:
         m = len(self.angles)
         if not (
             isinstance(self.plan_id, str)
@@ -225,7 +239,8 @@ class ManipulationTrajectory:
             == {m}
         ):
             raise DocumentError(
-                'trajectory document: needs period > 0 and at least two samples, the same number everywhere'
+                'trajectory document: needs period > 0 and at least two samples, the same '
+                'number everywhere'
             )
         ends = [0.0]
         for s in self.segments:
