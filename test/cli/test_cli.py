@@ -167,8 +167,13 @@ def test_no_plan_is_exit_code_1(tmp_path):
     """Motors too weak to lift the object: an honest no."""
     weak = tmp_path / 'weak.yaml'
     weak.write_text(Path(HEXAGON).read_text().replace('torque_limit: 7.0', 'torque_limit: 0.15'))
-    told = wholearm('plan', weak, '--time-budget', 3)
+    document, figures = tmp_path / 'plan.json', tmp_path / 'figures'
+    told = wholearm('plan', weak, '--time-budget', 3, '--json', document, '--figures', figures)
     assert told.exit_code == 1 and told.output.startswith('no plan')
+    assert (figures / 'search.png').stat().st_size > 10_000
+    assert wholearm('report', document).exit_code == 0
+    page = document.with_suffix('.html').read_text()
+    assert 'no plan (' in page and page.count('<svg') >= 1 and '{{' not in page
 
 
 def test_suite_writes_its_results(tmp_path):

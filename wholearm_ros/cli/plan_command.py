@@ -1,5 +1,10 @@
 """`wholearm plan`: contact states from start to goal, the trajectory through them, verified."""
 
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
 from wholearm_ros.cli.options import (
     MIN_SUCCESS,
     TIME_BUDGET,
@@ -11,10 +16,11 @@ from wholearm_ros.cli.options import (
     SuccessOption,
     TransitionOption,
 )
-from wholearm_ros.cli.output import finish, write_text
+from wholearm_ros.cli.output import finish, print_plain, write_text
 from wholearm_ros.cli.planning import plan_scenario
 from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.report.figures.figures import write_search_figures
 
 
 def plan(
@@ -25,6 +31,10 @@ def plan(
     time_budget: BudgetOption = TIME_BUDGET,
     min_success: SuccessOption = MIN_SUCCESS,
     json_out: JsonOption = None,
+    figures: Annotated[
+        Path | None,
+        typer.Option('--figures', metavar='DIR', help='Draw what the search reached into DIR.'),
+    ] = None,
 ) -> None:
     """Plan a scenario: contact states from start to goal, the trajectory through them, verified.
 
@@ -40,4 +50,7 @@ def plan(
     result = plan_scenario(scenario, request)
     if json_out:
         write_text(json_out, result.plan.to_json(), '--json')
+    if figures is not None:
+        for written in write_search_figures(figures, result.plan):
+            print_plain(f'figure {written}')
     finish(result.trajectory is not None)

@@ -17,8 +17,8 @@ def report(
         list[Path],
         typer.Argument(
             metavar='SOURCE...',
-            help='A bag, the directory of a run, a document of `simulate --run`, or results '
-            'of `suite --json`, several for several levels of perturbation.',
+            help='A bag, the directory of a run, a document of `simulate --run` or `plan --json`, '
+            'or results of `suite --json`, several for several levels of perturbation.',
         ),
     ],
     target: Annotated[

@@ -19,7 +19,7 @@ from wholearm_ros.cli.options import (
 )
 from wholearm_ros.cli.output import FAILED, INTERRUPTED, finish, out
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.launcher.figures import figures_of
+from wholearm_ros.launcher.figures import figures_of, figures_without_a_plan
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, run_graph
 from wholearm_ros.launcher.live_view import view_on
 from wholearm_ros.model.backends import DEFAULT_BACKEND
@@ -99,7 +99,12 @@ def run(
     report = _run(load_scenario(path), options)
     _print(report, options)
     if figures is not None and options.record is not None:
-        for written in figures_of(options.record, figures):
+        drawn = (
+            figures_of(options.record, figures)
+            if report.planned
+            else figures_without_a_plan(load_scenario(path), report.message, figures)
+        )
+        for written in drawn:
             _line('report' if written.suffix == '.html' else 'figure', written)
     finish(report.success)
 

@@ -1,9 +1,12 @@
-"""Figures and the report of a recorded run."""
+"""Figures and the report of a recorded run, or of one that had no plan."""
 
 from pathlib import Path
 
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.report.bag_run import read_bag
+from wholearm_ros.report.figures.canvas import save
 from wholearm_ros.report.figures.figures import write_figures
+from wholearm_ros.report.figures.search_figure import draw_reached
 from wholearm_ros.report.html.run_page import run_page
 
 
@@ -14,3 +17,8 @@ def figures_of(bag_path: Path, directory: Path) -> list[Path]:
     report = directory / 'report.html'
     report.write_text(run_page(*told), encoding='utf-8')
     return [*written, report]
+
+
+def figures_without_a_plan(scenario: Scenario, reason: str, directory: Path) -> list[Path]:
+    """The scenario and why there is no plan; the paths of what was written."""
+    return [save(draw_reached(scenario, reason), directory / 'search.png')]

@@ -1,12 +1,11 @@
-"""What a report can be made from: a bag, the directory of a run, a run document, results of a
-suite.
-"""
+"""What a report can be made from: a bag or its run's directory, documents of runs, plans, suites."""
 
 import json
 from pathlib import Path
-from typing import Union
+from typing import Any, Union
 
 from wholearm_ros.errors import DocumentError, WholeArmError
+from wholearm_ros.model.plan import FORMAT as PLAN_FORMAT
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.report.bag_run import read_bag
@@ -17,17 +16,20 @@ from wholearm_ros.report.run_view import RunView
 SUITE_FORMAT = 'wholearm-suite-result/1'
 MAX_BYTES = 200_000_000
 Told = tuple[ContactPlan, ManipulationTrajectory, RunView]
+Source = Union[Told, ContactPlan, dict[str, Any]]
 
 
-def read_source(path: Path) -> Union[Told, dict]:
-    """(plan, trajectory, run), or the document of a suite's result. Raises a WholeArmError that
-    says what is wrong.
+def read_source(path: Path) -> Source:
+    """(plan, trajectory, run), a plan alone, or the document of a suite's result.
+
+    Raises a WholeArmError that says what is wrong.
     """
     path = Path(path)
     if not path.exists():
         raise WholeArmError(
-            f'{path}: no such file or directory; allowed: a bag, the directory of a run, a document of '
-            '`wholearm simulate --run` or of `wholearm suite --json`'
+            f'{path}: no such file or directory; allowed: a bag, the directory of a run, a '
+            'document of `wholearm simulate --run`, `wholearm plan --json` or '
+            '`wholearm suite --json`'
         )
     if path.is_dir() or path.suffix in ('.mcap', '.db3'):
         return read_bag(_bag_of(path))
@@ -42,23 +44,27 @@ def _bag_of(path: Path) -> Path:
         bags = sorted(path.glob('*/metadata.yaml'))
         if len(bags) != 1:
             raise WholeArmError(
-                f'{path}: {len(bags)} bags in it; allowed: a bag, or a directory with exactly one bag'
+                f'{path}: {len(bags)} bags in it; '
+                'allowed: a bag, or a directory with exactly one bag'
             )
         return bags[0].parent
     return path
 
 
-def _document(path: Path) -> Union[Told, dict]:
+def _document(path: Path) -> Source:
     try:
         text = path.read_text()
         kind = json.loads(text).get('format')
     except (OSError, ValueError, AttributeError, RecursionError) as error:
         raise DocumentError(f'{path}: neither a bag nor a JSON document: {error}') from error
     if kind == SUITE_FORMAT:
-        return json.loads(text)
+        return dict(json.loads(text))
     if kind == RUN_FORMAT:
         return read_run_document(text)
+    if kind == PLAN_FORMAT:
+        return ContactPlan.from_json(text)
     raise DocumentError(
         f'{path}: format is {kind!r}; allowed: {RUN_FORMAT!r} (`wholearm simulate --run`), '
-        f'{SUITE_FORMAT!r} (`wholearm suite --json`), or a bag'
+        f'{SUITE_FORMAT!r} (`wholearm suite --json`), {PLAN_FORMAT!r} (`wholearm plan --json`), '
+        'or a bag'
     )

@@ -3,24 +3,36 @@
 import json
 from html import escape
 from pathlib import Path
+from typing import Any
 
 ASSETS = Path(__file__).parent / 'assets'
 
 
-def page(title: str, body: str, data: dict, script: str) -> str:
-    """script: name of the file in assets/ that brings the page to life; it finds `data` in REPORT."""
+def page(title: str, body: str, data: dict[str, Any], script: str) -> str:
+    """script: the file in assets/ that brings the page to life; it finds `data` in REPORT."""
     from plotly.offline import get_plotlyjs  # 5 MB, only when a report is made
 
     values = json.dumps(data, separators=(',', ':'), allow_nan=False).replace('</', '<\\/')
-    return ''.join(
-        [
-            '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">\n',
-            '<meta name="color-scheme" content="light dark">\n<link rel="icon" href="data:,">\n',
-            f'<title>{escape(title)}</title>\n<style>\n{asset("page.css")}</style>\n</head>\n<body>\n{body}\n',
-            f'<script>{get_plotlyjs()}</script>\n<script>const REPORT = {values};</script>\n',
-            f'<script>\n{asset("theme.js")}{asset("scene.js")}{asset(script)}</script>\n</body>\n</html>\n',
-        ]
+    scripts = (
+        get_plotlyjs(),
+        f'const REPORT = {values};',
+        f'\n{asset("theme.js")}{asset("scene.js")}{asset(script)}',
+    )
+    return _document(title, body, ''.join(f'<script>{text}</script>\n' for text in scripts))
+
+
+def still_page(title: str, body: str) -> str:
+    """A page without scripts."""
+    return _document(title, body, '')
+
+
+def _document(title: str, body: str, scripts: str) -> str:
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        '<meta name="color-scheme" content="light dark">\n<link rel="icon" href="data:,">\n'
+        f'<title>{escape(title)}</title>\n<style>\n{asset("page.css")}</style>\n</head>\n'
+        f'<body>\n{body}\n{scripts}</body>\n</html>\n'
     )
 
 

@@ -4,25 +4,39 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wholearm_ros.errors import WholeArmError
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.report.html.plan_page import plan_page
 from wholearm_ros.report.html.run_page import run_page
 from wholearm_ros.report.html.suite_page import suite_page
-from wholearm_ros.report.sources import read_source
+from wholearm_ros.report.sources import Source, read_source
 
 
 def write_report(sources: Sequence[Path], target: Path) -> Path:
-    """sources: one run, or results of a suite at several levels of perturbation. Returns `target`."""
+    """Write the report of `sources` to `target`, which is returned.
+
+    sources: one run, one plan, or results of a suite at several levels of perturbation. Raises
+    WholeArmError when one cannot be read, they do not go together, or `target` cannot be written.
+    """
     read = [read_source(path) for path in sources]
     suites = [r for r in read if isinstance(r, dict)]
     if len(read) > 1 and len(suites) < len(read):
         raise WholeArmError(
-            'report: got several sources with a run among them; allowed: one run, or results of suites'
+            'report: got several sources with a run or a plan among them; '
+            'allowed: one run, one plan, or results of suites'
         )
-    text = suite_page(suites) if suites else run_page(*read[0])
+    text = suite_page(suites) if suites else _page_of(read[0])
     try:
         target.write_text(text, encoding='utf-8')
     except OSError as error:
         raise WholeArmError(f'{target}: cannot be written: {error.strerror or error}') from error
     return target
+
+
+def _page_of(source: Source) -> str:
+    if isinstance(source, ContactPlan):
+        return plan_page(source)
+    assert isinstance(source, tuple)
+    return run_page(*source)
 
 
 def default_target(source: Path) -> Path:
