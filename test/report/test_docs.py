@@ -47,7 +47,8 @@ def blocks(language: str):
 def test_python_runs(snippet, tmp_path, monkeypatch):
     if 'drive_guard' in snippet:
         pytest.importorskip('rclpy', reason='wholearm_ros.ros needs ROS 2')
-    (tmp_path / 'config').symlink_to(ROOT / 'config')
+    for directory in ('config', 'bags'):
+        (tmp_path / directory).symlink_to(ROOT / directory)
     monkeypatch.chdir(tmp_path)
     exec(compile(snippet, 'snippet', 'exec'), {'__name__': 'snippet'})
 

@@ -26,7 +26,7 @@ from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.run_document import run_document
-from wholearm_ros.suite.execution import Execution, execute
+from wholearm_ros.suite.execution import JudgedRun, execute
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 
@@ -85,7 +85,7 @@ def simulate(
     finish(execution.judged.executed)
 
 
-def _document(execution: Execution, plan_id: str, options: SuiteOptions) -> dict[str, Any]:
+def _document(execution: JudgedRun, plan_id: str, options: SuiteOptions) -> dict[str, Any]:
     judged = execution.judged
     jury = {} if execution.verdict is None else {'jury': execution.verdict.to_dict()}
     return {
@@ -104,7 +104,7 @@ def _document(execution: Execution, plan_id: str, options: SuiteOptions) -> dict
     }
 
 
-def _print(execution: Execution) -> None:
+def _print(execution: JudgedRun) -> None:
     """The verdict first, then how the run went."""
     record, judged = execution.record, execution.judged
     if judged.executed:

@@ -12,6 +12,7 @@ from wholearm_ros.estimation.claim import KEPT, UNKNOWN, UNVERIFIED, Claim, clai
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after
+from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.probe import Probe
@@ -113,7 +114,7 @@ def run_attempts(
     plan_again: PlanAgain,
     max_attempts: int = 1,
     probe: bool = True,
-    backend: str = 'pybullet',
+    backend: str = DEFAULT_BACKEND,
     rate: float = 1000.0,
     controls: ControlOptions = ControlOptions(),
     feeler: Feeler | None = None,

@@ -18,8 +18,10 @@ from wholearm_ros.suite.suite_options import SuiteOptions
 
 
 @dataclass(frozen=True, eq=False)
-class Execution:
-    """scenario: as it was planned; record: of the first attempt; judged: the end of the last one.
+class JudgedRun:
+    """One run and what came of it.
+
+    scenario: as it was planned; record: of the first attempt; judged: the end of the last one.
 
     attempts: all of them, and what was claimed; None of a jury.
 
@@ -42,7 +44,7 @@ def execute(
     draw: int = 0,
     name: str = '',
     view: bool = False,
-) -> Execution:
+) -> JudgedRun:
     """Run `trajectory` under perturbation number `draw` of the task `name`, feel, and try again.
 
     name: the scenario's by default.
@@ -68,13 +70,13 @@ def execute(
         view=view,
     )
     judged = outcome(scenario, attempts.last)
-    return Execution(scenario, attempts.motions[0].record, judged, perturbation, attempts)
+    return JudgedRun(scenario, attempts.motions[0].record, judged, perturbation, attempts)
 
 
-def _of_jury(scenario: Scenario, verdict: Verdict, perturbation: Perturbation) -> Execution:
+def _of_jury(scenario: Scenario, verdict: Verdict, perturbation: Perturbation) -> JudgedRun:
     one = verdict.decisive
     reason = '' if one.judged.executed else f'{one.engine}: {one.judged.reason}'
-    return Execution(
+    return JudgedRun(
         scenario,
         one.record,
         replace(one.judged, reason=reason),

@@ -11,7 +11,7 @@ from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.simulation.closed_loop import RunRecord
-from wholearm_ros.suite.execution import Execution, execute
+from wholearm_ros.suite.execution import JudgedRun, execute
 from wholearm_ros.suite.statistics import TIMES
 from wholearm_ros.suite.suite_file import SuiteEntry
 from wholearm_ros.suite.suite_options import SuiteOptions
@@ -87,7 +87,7 @@ def _of_plan(plan: ContactPlan, trajectory: ManipulationTrajectory | None) -> Re
     }
 
 
-def _of_draw(run: Execution, perturbed: bool) -> Result:
+def _of_draw(run: JudgedRun, perturbed: bool) -> Result:
     told: Result = {
         'executed': run.judged.executed,
         'reason': run.judged.reason,
