@@ -15,6 +15,7 @@ import sys
 import time
 from pathlib import Path
 
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.suite.statistics import summarize
 from wholearm_ros.suite.suite import run_suite
 from wholearm_ros.suite.suite_file import load_suite
@@ -96,7 +97,7 @@ def main():
     with Cluster(options.workers) as cluster:
         results = run_suite(
             tasks,
-            SuiteOptions(time_budget=options.time_budget),
+            SuiteOptions(PlanRequest(time_budget=options.time_budget)),
             on_result=on_result,
             scheduler=cluster.address,
         )

@@ -24,6 +24,7 @@ from wholearm_ros.errors import WholeArmError
 from wholearm_ros.estimation.claim import AT_GOAL, LOST, UNKNOWN
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.simulation.outcome import outcome
 from wholearm_ros.suite.attempts import Attempts
 from wholearm_ros.suite.execution import execute
@@ -45,7 +46,7 @@ def measure(task: SuiteEntry, levels: list, draws: int, options: SuiteOptions) -
     told = {'task': task.name, 'planned': False, 'reason': '', 'runs': []}
     try:
         scenario = parse_scenario(task.scenario, task.name)
-        found = plan_and_verify(scenario, options.request())
+        found = plan_and_verify(scenario, options.request)
         if found.trajectory is None:
             return {**told, 'reason': f'{found.plan.outcome}: {found.plan.reason}'}
         for level in levels:
@@ -191,10 +192,9 @@ def main() -> None:
         levels=options.levels,
         draws=options.draws,
         options=SuiteOptions(
-            seed=options.seed,
+            PlanRequest(seed=options.seed, time_budget=options.time_budget),
             attempts=options.attempts,
             backend=options.backend,
-            time_budget=options.time_budget,
         ),
     )
     begin(options.json, [asked, *done])

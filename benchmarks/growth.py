@@ -38,9 +38,8 @@ ROOT = Path(__file__).parents[1]
 VERTICES, SHAPES = (3, 4, 6, 8, 12, 16, 24), 8
 COPIES = (1, 2, 4, 8, 16, 32, 64)
 SUITES, CORES = (48, 200, 600, 2000), (1, 2)
-QUICK = SuiteOptions(
-    candidates=1, moves=0, backend='planar'
-)  # a suite's tasks are tried once each: it is their number that counts
+QUICK = SuiteOptions(PlanRequest(candidates=1, moves=0), backend='planar')
+# a suite's tasks are tried once each: it is their number that counts
 TITLES = {
     'vertices': 'vertices of the polygon',
     'copies': 'perturbed copies',

@@ -28,7 +28,7 @@ from wholearm_ros.suite.suite_options import SuiteOptions
 
 def judge(scenario, trajectory, level: float, draw: int, seed: int, spent: dict) -> Verdict:
     """One run in every engine; spent: {engine: [simulated s, CPU s]}, added to."""
-    rng = perturbation_rng(SuiteOptions(seed=seed), scenario.name, draw)
+    rng = perturbation_rng(SuiteOptions(PlanRequest(seed=seed)), scenario.name, draw)
     perturbation = draw_perturbation(rng, level, scenario)
     testimonies = []
     for engine in installed_backends():

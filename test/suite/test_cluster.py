@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from wholearm_ros.errors import WholeArmError
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.suite.suite import run_suite
 from wholearm_ros.suite.suite_file import load_suite
 from wholearm_ros.suite.suite_options import SuiteOptions
@@ -18,9 +19,8 @@ from wholearm_ros.suite.suite_options import SuiteOptions
 pytest.importorskip('distributed', reason='Dask is not installed (the extra `cluster`)')
 SUITE = Path(__file__).parents[2] / 'benchmarks' / 'suite.json'
 SHIPPED = load_suite(SUITE)[0]
-OPTIONS = SuiteOptions(
-    candidates=3, moves=0, backend='planar'
-)  # quick, and the same on any machine
+OPTIONS = SuiteOptions(PlanRequest(candidates=3, moves=0), backend='planar')
+# quick, and the same on any machine
 TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
 
 

@@ -10,6 +10,7 @@ import pytest
 from wholearm_ros.errors import DocumentError, ScenarioError
 from wholearm_ros.model.backends import installed_backends
 from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.suite.execution import perturbation_rng
 from wholearm_ros.suite.jury_summary import jury_lines, jury_summary
 from wholearm_ros.suite.statistics import summarize
@@ -33,7 +34,7 @@ KEYS = {
     'final_pose',
 }
 TIMES = {'plan_ms', 'generate_ms', 'verify_ms'}
-OPTIONS = SuiteOptions(perturb=1.0, draws=2, candidates=4, moves=0)
+OPTIONS = SuiteOptions(PlanRequest(candidates=4, moves=0), perturb=1.0, draws=2)
 
 
 def tasks():
@@ -99,7 +100,7 @@ def test_processes_change_nothing_but_the_times(results):
 
 def test_draws_depend_on_seed_task_and_number_only():
     def numbers(seed, name, k):
-        return perturbation_rng(SuiteOptions(seed=seed), name, k).uniform(size=3)
+        return perturbation_rng(SuiteOptions(PlanRequest(seed=seed)), name, k).uniform(size=3)
 
     np.testing.assert_array_equal(numbers(1, 'a', 0), numbers(1, 'a', 0))
     for other in (numbers(2, 'a', 0), numbers(1, 'b', 0), numbers(1, 'a', 1)):
@@ -152,7 +153,7 @@ def test_the_jury_is_counted_engine_by_engine_and_pair_by_pair():
 
 
 def test_a_run_before_the_jury_reaches_its_goal_only_when_it_does_in_every_engine():
-    options = SuiteOptions(backend='jury', perturb=1.0, candidates=3, moves=0)
+    options = SuiteOptions(PlanRequest(candidates=3, moves=0), perturb=1.0, backend='jury')
     [result] = run_suite([SuiteEntry('good', HEXAGON)], options)
     [told] = result['draws']
     engines = told['jury']['engines']

@@ -74,7 +74,7 @@ def simulate(
         if result.trajectory is None:
             finish(False)
         plan, trajectory = result.plan, result.trajectory
-    options = SuiteOptions(seed=seed, perturb=perturb, backend=backend, rate=rate)
+    options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, rate=rate)
     execution = execute(plan.scenario, trajectory, options, view=view)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))

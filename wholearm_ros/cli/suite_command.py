@@ -21,6 +21,7 @@ from wholearm_ros.cli.options import (
 from wholearm_ros.cli.output import err, finish, print_plain, write_json
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Search, Transition
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.suite.jury_summary import jury_lines
 from wholearm_ros.suite.result_document import suite_document
 from wholearm_ros.suite.statistics import TIMES, summarize
@@ -71,18 +72,14 @@ def suite(
     Example: wholearm suite benchmarks/suite.json --perturb 1 --draws 5 --jobs 2 --json result.json
     """
     tasks = load_suite(file)
-    options = SuiteOptions(
-        seed=seed,
-        perturb=perturb,
-        draws=draws,
-        attempts=attempts,
-        probe=probe,
+    request = PlanRequest(
         search=search.value,
+        seed=seed,
         transition=transition.value,
         time_budget=time_budget,
         min_success=min_success,
-        backend=backend,
     )
+    options = SuiteOptions(request, perturb, draws, backend, attempts=attempts, probe=probe)
     results = _run_with_progress(tasks, options, jobs, scheduler)
     summary = summarize(results)
     if json_out:

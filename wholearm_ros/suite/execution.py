@@ -61,7 +61,7 @@ def execute(
         scenario,
         trajectory,
         perturbation,
-        lambda again: plan_and_verify(again, options.request()).trajectory,
+        lambda again: plan_and_verify(again, options.request).trajectory,
         max_attempts=options.attempts,
         probe=options.probe,
         backend=options.backend,

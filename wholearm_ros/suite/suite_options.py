@@ -11,35 +11,21 @@ from wholearm_ros.planner.request import PlanRequest
 class SuiteOptions:
     """Options of planning, of the perturbations and of the simulated hand.
 
-    seed: of the search and of the perturbations; perturb: their level, 0 for none; draws: perturbed
-    runs a task; search, transition, candidates, moves, time_budget [s], min_success: of the
-    planning request; backend (or JURY), rate [Hz]: of the hand; attempts: trajectories at most in
-    each run; probe: whether the end of each is felt. The jury does neither.
+    request: how every task is planned; perturb: level of the perturbations, 0 for none; draws:
+    perturbed runs of each plan; backend (or JURY), rate [Hz]: of the hand; attempts: trajectories
+    at most in each run; probe: whether the end of each is felt. The jury does neither.
     """
 
-    seed: int = 0
+    request: PlanRequest = PlanRequest()
     perturb: float = 0.0
     draws: int = 1
-    search: str = 'best'
-    transition: str = 'auto'
-    candidates: int = PlanRequest.candidates
-    moves: int = PlanRequest.moves
-    time_budget: float = PlanRequest.time_budget
-    min_success: float = PlanRequest.min_success
     backend: str = DEFAULT_BACKEND
     rate: float = 1000.0
     controls: ControlOptions = field(default_factory=ControlOptions)
     attempts: int = 1
     probe: bool = True
 
-    def request(self) -> PlanRequest:
-        """The planning request of every task."""
-        return PlanRequest(
-            search=self.search,
-            seed=self.seed,
-            transition=self.transition,
-            candidates=self.candidates,
-            moves=self.moves,
-            time_budget=self.time_budget,
-            min_success=self.min_success,
-        )
+    @property
+    def seed(self) -> int:
+        """Of the search and of the perturbations."""
+        return self.request.seed

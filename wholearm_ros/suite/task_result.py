@@ -56,7 +56,7 @@ def _empty(name: str) -> Result:
 
 def _planned_and_executed(task: SuiteEntry, options: SuiteOptions) -> Result:
     scenario = parse_scenario(task.scenario, task.name)
-    answer = plan_and_verify(scenario, options.request())
+    answer = plan_and_verify(scenario, options.request)
     result = {
         **_empty(task.name),
         **_of_plan(answer.plan, answer.trajectory),
