@@ -14,8 +14,8 @@ from wholearm_ros.errors import ScenarioError
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, StartAtPose, StartOnEdge
-from wholearm_ros.model.scenario_checks import start_pose
 from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scenario_to_dict
+from wholearm_ros.model.start_checks import start_pose
 from wholearm_ros.model.yaml_text import MAX_BYTES, parse_mapping
 
 CONFIG = Path(__file__).parents[2] / 'config'

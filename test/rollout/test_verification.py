@@ -41,7 +41,7 @@ def test_verification_is_the_same_every_time(trajectory):
 
 
 def test_the_nominal_run_keeps_to_the_planned_poses(trajectory):
-    """Within 5 mm and 0.05 rad to the end of the last quasi-static stroke: such plans predict their execution."""
+    """Within 5 mm and 0.05 rad to the end of the last quasi-static segment: such plans predict their execution."""
     trial = verify(trajectory, NOMINAL).nominal
     release = max(s.end for s in trajectory.segments if s.mode == 'quasi_static')
     planned = trajectory.poses[

@@ -1,4 +1,4 @@
-"""Fifth-order polynomials, stroke durations, τ_min + τ_margin inside its range, and the slew limit."""
+"""Fifth-order polynomials, segment durations, τ_min + τ_margin inside its range, and the slew limit."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from wholearm_ros.trajectory.timing import (
     PEAK_ACCELERATION,
     PEAK_SPEED,
     SHORTEST,
-    stroke_duration,
+    segment_duration,
 )
 
 U = np.linspace(0.0, 1.0, 20_001)
@@ -42,17 +42,17 @@ def test_the_speed_of_the_quintic_is_its_derivative_and_the_peaks_are_as_named()
 
 @settings(max_examples=50)
 @given(st.floats(1e-3, 3.0), st.floats(0.1, 8.0), st.floats(0.2, 5.0), st.floats(1.0, 50.0))
-def test_a_stroke_takes_the_least_time_that_keeps_every_coordinate_within_its_limits(
+def test_a_segment_takes_the_least_time_that_keeps_every_coordinate_within_its_limits(
     distance, fastest, speed, acceleration
 ):
-    duration = stroke_duration(distance, fastest, speed, acceleration)
+    duration = segment_duration(distance, fastest, speed, acceleration)
     d = distance * max(1.0, fastest)
     used = max(
         PEAK_SPEED * d / duration / speed, PEAK_ACCELERATION * d / duration**2 / acceleration
     )
     assert used <= 1.0 + 1e-9
     assert used == pytest.approx(1.0) or duration == SHORTEST
-    assert stroke_duration(-distance, fastest, speed, acceleration) == duration
+    assert segment_duration(-distance, fastest, speed, acceleration) == duration
 
 
 @settings(max_examples=50)

@@ -19,7 +19,7 @@ from wholearm_ros.model.scenario import (
     StartAtPose,
     StartOnEdge,
 )
-from wholearm_ros.model.scenario_checks import problems_at_start, problems_with
+from wholearm_ros.model.scenario_checks import problems_with
 from wholearm_ros.model.scenario_schema import (
     AT_POSE,
     ON_EDGE,
@@ -27,6 +27,7 @@ from wholearm_ros.model.scenario_schema import (
     ScenarioTable,
     StartOnEdgeTable,
 )
+from wholearm_ros.model.start_checks import problems_at_start
 from wholearm_ros.model.yaml_text import read_mapping
 from wholearm_ros.package_share import scenario_path
 

@@ -1,4 +1,4 @@
-"""Set_BoundarySubgoal: a route cut into strokes, at each of which the hand stops (III-B.5, steps 2
+"""Set_BoundarySubgoal: a route cut into segments, at each of which the hand stops (III-B.5, steps 2
 to 4).
 """
 
@@ -11,9 +11,9 @@ from wholearm_ros.trajectory.monotone_segments import Piece
 
 
 @dataclass(frozen=True, eq=False)
-class Stroke:
+class MonotoneSegment:
     """Pieces through which one velocity finger turns one way without a stop; a caging descent and a
-    motion primitive are strokes of one piece.
+    motion primitive are segments of one piece.
 
     transitions: the reports of those looked at, the one at its end included; untransitable: the
     report of the transition at its beginning, where the ranges part under one velocity finger (the
@@ -40,29 +40,29 @@ class Stroke:
         return sum(piece.turn for piece in self.pieces)
 
 
-def boundary_subgoals(world: World, pieces: list[Piece]) -> list[Stroke]:
-    """The strokes of a route, in order."""
-    strokes: list[Stroke] = []
+def boundary_subgoals(world: World, pieces: list[Piece]) -> list[MonotoneSegment]:
+    """The segments of a route, in order."""
+    segments: list[MonotoneSegment] = []
     begin, untransitable = 0, None
     while begin < len(pieces):
         end, transitions = _boundary(world, pieces, begin)
-        strokes.append(Stroke(tuple(pieces[begin:end]), transitions, untransitable))
+        segments.append(MonotoneSegment(tuple(pieces[begin:end]), transitions, untransitable))
         untransitable = None
         if end < len(pieces) and transitions:
-            one_finger = pieces[end].velocity_finger == strokes[-1].velocity_finger
+            one_finger = pieces[end].velocity_finger == segments[-1].velocity_finger
             reached = pieces[end].mode == QUASI_STATIC and one_finger
             untransitable = (
                 transitions[-1] if reached and not transitions[-1].quasi_static else None
             )
         begin = end
-    return strokes
+    return segments
 
 
 def _boundary(
     world: World, pieces: list[Piece], begin: int
 ) -> tuple[int, tuple[TransitionReport, ...]]:
-    """Where the stroke that begins with a piece ends: before the piece at which the velocity finger
-    reverses or changes, or the torque ranges part; and the reports of Check_Transition.
+    """Where the segment that begins with a piece ends: before the piece at which the velocity
+    finger reverses or changes, or the torque ranges part; and the reports of Check_Transition.
     """
     if pieces[begin].mode != QUASI_STATIC:
         return begin + 1, ()

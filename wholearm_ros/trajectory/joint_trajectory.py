@@ -1,4 +1,4 @@
-"""A trajectory while it is being put together: samples and segments, appended stroke by stroke."""
+"""A trajectory while it is being put together, from one monotone segment to the next."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,7 +19,7 @@ from wholearm_ros.model.trajectory import (
 from wholearm_ros.rollout.primitive_rollout import PERIOD, Rest, simulate_primitive
 from wholearm_ros.trajectory.control_mode import control_mode
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
-from wholearm_ros.trajectory.stroke_motion import StrokeMotion
+from wholearm_ros.trajectory.segment_motion import SegmentMotion
 
 SHORTEST_RAMP = 0.02  # [s]
 NONE = np.full(2, np.nan)  # the torque range of a sample that has none
@@ -28,8 +28,8 @@ NONE = np.full(2, np.nan)  # the torque range of a sample that has none
 class TrajectoryBuilder:
     """Starts at rest in q (5,), the fingers bearing only their own weight.
 
-    A dynamic transition takes up the end of the stroke before it, so that every stroke is appended
-    with the one that follows; what has been appended stays as it is.
+    A dynamic transition takes up the end of the segment before it, so that every segment is
+    appended with the one that follows; what has been appended stays as it is.
     """
 
     def __init__(self, world: World, q: np.ndarray, options: ExecutionOptions) -> None:
@@ -40,28 +40,28 @@ class TrajectoryBuilder:
         self._ranges = [NONE[None]]
         self._segments: list[Segment] = []
 
-    def append(self, motion: StrokeMotion, following: StrokeMotion | None) -> None:
-        """Get_NewConfig: a stroke, with the dwell before it and the dynamic transition after it, if
-        `following` begins with one.
+    def append(self, motion: SegmentMotion, following: SegmentMotion | None) -> None:
+        """Get_NewConfig: a segment, with the dwell before it and the dynamic transition after it,
+        if `following` begins with one.
         """
-        first, side = motion.stroke.pieces[0], motion.stroke.velocity_finger
+        first, side = motion.segment.pieces[0], motion.segment.velocity_finger
         if first.move is not None:
             self._append_primitive(first.move, first.pairs)
             return
         if not motion.dynamic:
             self._ramp_to(motion.efforts[0], side, first.pairs, motion.ranges[0])
         if following is not None and following.dynamic:
-            self._append_stroke_into(motion, following)
+            self._append_into(motion, following)
         else:
             self._append_samples(motion.configurations[1:], motion.efforts[1:], motion.ranges[1:])
             self._close_pieces(motion)
         if motion.holding is not None:
             self._ramp_to(motion.holding, side, first.pairs)
 
-    def _append_stroke_into(self, motion: StrokeMotion, following: StrokeMotion) -> None:
+    def _append_into(self, motion: SegmentMotion, following: SegmentMotion) -> None:
         """Dynamic manipulation: the first efforts of `following`, more than the contact state of
-        this stroke can carry, are reached from `dynamic_lead` before its end on, and kept until the
-        object has come to rest in the next contact state.
+        this segment can carry, are reached from `dynamic_lead` before its end on, and kept until
+        the object has come to rest in the next contact state.
         """
         period, efforts = self.options.period, following.efforts[0]
         lead = self._lead(motion)
@@ -76,11 +76,11 @@ class TrajectoryBuilder:
         cut = self._segments[-1]
         self._segments[-1] = replace(cut, end=cut.end - lead * period)
         self._append_rest(values[lead:], following.ranges[0])
-        first = following.stroke.pieces[0]
-        self._close(DYNAMIC, following.stroke.velocity_finger, first.pairs, lead + after)
+        first = following.segment.pieces[0]
+        self._close(DYNAMIC, following.segment.velocity_finger, first.pairs, lead + after)
 
-    def _lead(self, motion: StrokeMotion) -> int:
-        """Samples at the end of a stroke that a dynamic transition takes up; at least one is left
+    def _lead(self, motion: SegmentMotion) -> int:
+        """Samples at the end of a segment that a dynamic transition takes up; at least one is left
         to the last piece.
         """
         wanted = int(round(self.options.dynamic_lead / self.options.period))
@@ -167,15 +167,15 @@ class TrajectoryBuilder:
         self._efforts.append(efforts)
         self._ranges.append(ranges)
 
-    def _close_pieces(self, motion: StrokeMotion) -> None:
-        """A segment for each piece of the stroke that was appended."""
-        for k, piece in enumerate(motion.stroke.pieces):
+    def _close_pieces(self, motion: SegmentMotion) -> None:
+        """A segment of the document for each piece of what was appended."""
+        for k, piece in enumerate(motion.segment.pieces):
             count = int((motion.of_piece[1:] == k).sum())
             if count:
                 self._close(piece.mode, piece.velocity_finger, piece.pairs, count)
 
     def _close(self, mode: str, velocity_finger: int, pairs: tuple[int, ...], count: int) -> None:
-        """The segment of the last `count` samples that belong to none."""
+        """The segment of the document for the last `count` samples, which belong to none yet."""
         start = self._segments[-1].end if self._segments else 0.0
         modes = (
             [

@@ -16,7 +16,7 @@ from wholearm_ros.trajectory.execution_options import ExecutionOptions
 from wholearm_ros.trajectory.joint_trajectory import TrajectoryBuilder
 from wholearm_ros.trajectory.monotone_segments import pieces_of
 from wholearm_ros.trajectory.plan_fit import require_fit
-from wholearm_ros.trajectory.stroke_motion import motion_of
+from wholearm_ros.trajectory.segment_motion import motion_of
 
 FINAL_HOLD = 0.3  # [s] at the goal, before the trajectory ends
 
@@ -51,9 +51,9 @@ def _generate(
     builder = TrajectoryBuilder(world, plan.legs[0].configurations[0], options)
     try:
         # 2, 3 Set_BoundarySubgoal, 4 Check_Transition
-        strokes = boundary_subgoals(world, pieces)
+        segments = boundary_subgoals(world, pieces)
         # 5 Make_JointTraj, 6 FwdKinematics, 7 GET_TORQUE
-        motions = [motion_of(world, stroke, options) for stroke in strokes]
+        motions = [motion_of(world, segment, options) for segment in segments]
         # 8 Get_NewConfig, 9 the next segment
         for motion, following in zip(motions, (*motions[1:], None)):
             builder.append(motion, following)
@@ -61,5 +61,5 @@ def _generate(
         raise DocumentError(f'plan {plan_id} does not fit its scenario: {error}') from error
     # 10, 11 stop at X_goal
     builder.hold(FINAL_HOLD)
-    reports = tuple(report.to_dict() for stroke in strokes for report in stroke.transitions)
+    reports = tuple(report.to_dict() for segment in segments for report in segment.transitions)
     return builder.finish(plan_id, reports)

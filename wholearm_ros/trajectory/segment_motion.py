@@ -1,4 +1,4 @@
-"""Motion and torque along a stroke: Make_JointTraj, FwdKinematics and GET_TORQUE (III-B.5, steps 5
+"""Motion and torque along a segment: Make_JointTraj, FwdKinematics and GET_TORQUE (III-B.5, steps 5
 to 7).
 """
 
@@ -12,17 +12,17 @@ from wholearm_ros.model.configuration import JOINTS, SIZE, joint_index
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.interpolation import quintic
 from wholearm_ros.model.trajectory import CAGING, DYNAMIC
-from wholearm_ros.trajectory.boundary_subgoals import Stroke
+from wholearm_ros.trajectory.boundary_subgoals import MonotoneSegment
 from wholearm_ros.trajectory.check_transition import check_dyn
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
 from wholearm_ros.trajectory.get_torque import dynamic_torque, quasi_static_torque
 from wholearm_ros.trajectory.monotone_segments import Followed, Piece, follow
-from wholearm_ros.trajectory.timing import stroke_duration
+from wholearm_ros.trajectory.timing import segment_duration
 
 
 @dataclass(frozen=True, eq=False)
-class StrokeMotion:
-    """A stroke sampled every period, from rest to rest.
+class SegmentMotion:
+    """A segment sampled every period, from rest to rest.
 
     configurations: (m, 5) [m, rad]; efforts: (m, 2) [N m]; ranges: (m, 2) torque range of the
     torque finger [N m], NaN without one; of_piece: (m,) the piece in which each sample lies;
@@ -31,7 +31,7 @@ class StrokeMotion:
     where the hand stands, nothing is sampled.
     """
 
-    stroke: Stroke
+    segment: MonotoneSegment
     configurations: np.ndarray
     efforts: np.ndarray
     ranges: np.ndarray
@@ -40,29 +40,31 @@ class StrokeMotion:
     holding: np.ndarray | None = None
 
 
-def motion_of(world: World, stroke: Stroke, options: ExecutionOptions) -> StrokeMotion:
-    """Steps 5 to 7 for a stroke of any mode.
+def motion_of(world: World, segment: MonotoneSegment, options: ExecutionOptions) -> SegmentMotion:
+    """Steps 5 to 7 for a segment of any mode.
 
     Raises ValueError when its contacts cannot be kept closed (the plan is not of this scenario).
     """
-    if stroke.mode == DYNAMIC:
+    if segment.mode == DYNAMIC:
         none = np.empty((0, 2))
-        return StrokeMotion(stroke, np.empty((0, SIZE)), none, none, np.empty(0, int))
-    if stroke.mode == CAGING:
-        return _descent(world, stroke, options)
-    return _quasi_static(world, stroke, options)
+        return SegmentMotion(segment, np.empty((0, SIZE)), none, none, np.empty(0, int))
+    if segment.mode == CAGING:
+        return _descent(world, segment, options)
+    return _quasi_static(world, segment, options)
 
 
-def _quasi_static(world: World, stroke: Stroke, options: ExecutionOptions) -> StrokeMotion:
-    side = stroke.velocity_finger
+def _quasi_static(
+    world: World, segment: MonotoneSegment, options: ExecutionOptions
+) -> SegmentMotion:
+    side = segment.velocity_finger
     other = 1 - side
-    start = stroke.pieces[0].samples[0, joint_index(side)]
-    fastest = max(_fastest(world, piece) for piece in stroke.pieces)
-    thetas = start + stroke.turn * _rest_to_rest(stroke.turn, fastest, options)  # step 5
-    followed, of_piece = _follow_all(world, stroke, thetas)  # step 6
+    start = segment.pieces[0].samples[0, joint_index(side)]
+    fastest = max(_fastest(world, piece) for piece in segment.pieces)
+    thetas = start + segment.turn * _rest_to_rest(segment.turn, fastest, options)  # step 5
+    followed, of_piece = _follow_all(world, segment, thetas)  # step 6
     limit = world.torque_limits[other]
     torque = quasi_static_torque(followed.statics, other, options, limit)  # step 7
-    first = _breaking_torque(world, stroke, followed.configurations[0], options)
+    first = _breaking_torque(world, segment, followed.configurations[0], options)
     if first is not None:
         torque = slew_limited(torque, first, options.slew * options.period)
     efforts = np.empty((len(thetas), 2))
@@ -70,30 +72,30 @@ def _quasi_static(world: World, stroke: Stroke, options: ExecutionOptions) -> St
     efforts[:, side] = followed.gains[:, 0] + followed.gains[:, 1] * torque
     ranges = followed.statics[:, :2]
     dynamic = first is not None
-    return StrokeMotion(stroke, followed.configurations, efforts, ranges, of_piece, dynamic)
+    return SegmentMotion(segment, followed.configurations, efforts, ranges, of_piece, dynamic)
 
 
 def _breaking_torque(
-    world: World, stroke: Stroke, q: np.ndarray, options: ExecutionOptions
+    world: World, segment: MonotoneSegment, q: np.ndarray, options: ExecutionOptions
 ) -> float | None:
     """GET_TORQUE step 4: the torque [N m] that breaks the equilibrium at the beginning q (5,) of
-    the stroke, None where there is no need, or where Check_Dyn does not agree.
+    the segment, None where there is no need, or where Check_Dyn does not agree.
     """
-    report, other = stroke.untransitable, 1 - stroke.velocity_finger
+    report, other = segment.untransitable, 1 - segment.velocity_finger
     if report is None or options.transition != DYNAMIC:
         return None
     torque = dynamic_torque(report, other, options, world.torque_limits[other])
-    breaks = check_dyn(world, q, report, other, torque, stroke.pieces[0].direction)
+    breaks = check_dyn(world, q, report, other, torque, segment.pieces[0].direction)
     return torque if breaks else None
 
 
-def _descent(world: World, stroke: Stroke, options: ExecutionOptions) -> StrokeMotion:
+def _descent(world: World, segment: MonotoneSegment, options: ExecutionOptions) -> SegmentMotion:
     """Caging: the object descends at a limited speed between the fingers, then is held (III-B.3).
 
     The velocity finger stays closed on where the object should be; the other one has a small
     torque, τ_caging.
     """
-    (piece,), side = stroke.pieces, stroke.velocity_finger
+    (piece,), side = segment.pieces, segment.velocity_finger
     other, rotation = 1 - side, piece.samples[:, 2]
     turn = rotation[-1] - rotation[0]
     steps = np.abs(np.diff(piece.samples[:, joint_index(side)]))
@@ -105,27 +107,29 @@ def _descent(world: World, stroke: Stroke, options: ExecutionOptions) -> StrokeM
     efforts[:, other] += CLOSING[other] * options.caging_torque
     holding[other] += CLOSING[other] * options.holding_torque
     none, of_piece = np.full((len(q), 2), np.nan), np.zeros(len(q), int)
-    return StrokeMotion(stroke, q, efforts, none, of_piece, holding=holding)
+    return SegmentMotion(segment, q, efforts, none, of_piece, holding=holding)
 
 
 def _rest_to_rest(distance: float, fastest: float, options: ExecutionOptions) -> np.ndarray:
     """(m,) Make_JointTraj: from 0 to 1 by the fifth-order polynomial, every period; distance [rad]
-    and fastest: see `stroke_duration`.
+    and fastest: see `segment_duration`.
     """
-    duration = stroke_duration(distance, fastest, options.speed, options.acceleration)
+    duration = segment_duration(distance, fastest, options.speed, options.acceleration)
     count = int(np.ceil(duration / options.period))
     position: np.ndarray = quintic(np.linspace(0.0, 1.0, count + 1))[0]
     return position
 
 
-def _follow_all(world: World, stroke: Stroke, thetas: np.ndarray) -> tuple[Followed, np.ndarray]:
+def _follow_all(
+    world: World, segment: MonotoneSegment, thetas: np.ndarray
+) -> tuple[Followed, np.ndarray]:
     """FwdKinematics at the velocity finger's angles (m,), each by the piece in whose reach it lies;
     and (m,) which piece that is.
     """
-    column, direction = joint_index(stroke.velocity_finger), stroke.pieces[0].direction
-    ends = np.array([piece.samples[-1, column] for piece in stroke.pieces[:-1]])
+    column, direction = joint_index(segment.velocity_finger), segment.pieces[0].direction
+    ends = np.array([piece.samples[-1, column] for piece in segment.pieces[:-1]])
     of_piece = np.searchsorted(ends * direction, thetas * direction, side='left')
-    parts = [follow(world, piece, thetas[of_piece == k]) for k, piece in enumerate(stroke.pieces)]
+    parts = [follow(world, piece, thetas[of_piece == k]) for k, piece in enumerate(segment.pieces)]
     joined = (
         np.concatenate([getattr(part, name) for part in parts])
         for name in ('configurations', 'statics', 'gains')
