@@ -5,6 +5,8 @@ Nodes and the closed loop without ROS call the same code.
 
 from typing import Optional
 
+import numpy as np
+
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch, SwitchState
 from wholearm_ros.control.probing import Probing, ProbingState
 from wholearm_ros.control.setpoints import ControlOptions, Joints
@@ -12,6 +14,7 @@ from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
 PROBING = 'probing'
+COURSE_PERIOD = 0.02  # [s] between two rows of a course
 
 
 class Execution:
@@ -35,12 +38,15 @@ class Execution:
         self.felt: Optional[ProbingState] = None
         self._ended: Optional[float] = None
         self.mode, self.over = IDLE, False
+        self._course: list[np.ndarray] = []
 
     def step(self, now: float, joints: Joints) -> tuple:
         """Both setpoints for the joint state at `now`."""
         if self.felt is not None and self.state.mode != STOPPED:
             return self._probe(now, joints)
         self.state, motion, torque = self._switch.step(self.state, now, joints)
+        if self.state.elapsed >= COURSE_PERIOD * len(self._course):
+            self._course.append(np.array(joints.angles))
         ended = self.state.mode in (DONE, STOPPED)
         if ended and self._ended is None:
             self._ended = now
@@ -110,6 +116,11 @@ class Execution:
     def deviated(self) -> str:
         """Where and how the fingers left the trajectory's band, '' when they did not."""
         return self._switch.deviation(self.state)
+
+    @property
+    def course(self) -> np.ndarray:
+        """(r, 2) [rad] both angles every COURSE_PERIOD from the trajectory's start to the probe."""
+        return np.array(self._course).reshape(-1, 2)
 
     @property
     def time_left(self) -> float:

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wholearm_ros.estimation.feel import LYING, NOTHING, Feeler, Felt, fits
+from wholearm_ros.estimation.course import NEAR, nearest_course
+from wholearm_ros.estimation.feel import LYING, NOTHING, Candidate, Feeler, Felt, fits
 from wholearm_ros.model.goal import goal_region
+from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
@@ -53,12 +55,28 @@ class Claim:
             'felt_x': self.x if lying and np.isfinite(self.x) else None,
         }
 
+    @classmethod
+    def from_dict(cls, told: dict[str, str]) -> 'Claim':
+        """Of texts as a goal's result has them: what `to_dict` tells, '' for None; what is damaged is unknown."""
+        try:
+            edges = tuple(int(edge) for edge in json.loads(told.get('felt_edges') or '[]'))
+            x = float(told.get('felt_x') or 'nan')
+            outcome, reason = told['claimed'], told.get('claim_reason', '')
+        except (ValueError, TypeError, KeyError) as error:
+            return cls(UNKNOWN, f'a claim that cannot be read: {error!r}')
+        if outcome not in (*OUTCOMES, UNVERIFIED):
+            return cls(UNKNOWN, f'a claim that cannot be read: {outcome!r}')
+        if not edges:
+            return cls(outcome, reason)
+        candidate = Candidate(edges, 0, x, float('nan'), float('nan'), float('nan'), 1.0)
+        return cls(outcome, reason, Felt(LYING, (candidate,)))
+
 
 def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Claim:
     """What may be said of the goal of `scenario`.
 
-    tracked: whether the fingers kept to the plan all the way; only then is one of several edges that feel alike taken
-    for the one at which the plan ends.
+    tracked: whether the fingers kept to the plan, see `kept_to_plan`; only then is one of several edges that feel alike
+    taken for the one at which the plan ends.
     """
     if felt.kind == NOTHING:
         return Claim(LOST, 'nothing in the hand', felt)
@@ -76,26 +94,61 @@ def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Clai
         missing = _missing(feeler, scenario, best.edges[0], best.segment, best.x)
         return Claim(ELSEWHERE, f'felt {felt.describe()}: {missing}', felt)
     if len(best.edges) > 1 and not tracked:
-        reason = f'felt {felt.describe()}; the fingers did not keep to the plan, so it may be any of them'
+        reason = (
+            f'felt up to symmetry {felt.describe()}; the fingers did not go the way they go when the object '
+            'arrives, so it may be any of them'
+        )
         return Claim(UNKNOWN, reason, felt)
+    if len(best.edges) > 1:
+        reason = f'felt up to symmetry {felt.describe()}; the fingers went the way they go when it arrives'
+        return Claim(AT_GOAL, reason, felt)
     return Claim(AT_GOAL, f'felt {felt.describe()}', felt)
 
 
+def kept_to_plan(
+    feeler: Feeler, trajectory: ManipulationTrajectory, course: np.ndarray, deviation: float
+) -> bool:
+    """Whether the fingers kept to the plan.
+
+    course (m, 2), deviation [rad]: see `Execution`. For an object with edges that feel alike the whole course counts, else
+    the checkpoints: they leave it open whether the object slipped back by an edge between two of them.
+    """
+    if feeler.symmetric:
+        return nearest_course(course, trajectory.courses) < NEAR
+    return deviation < KEPT
+
+
 def reported_claim(
-    feeler: Feeler, scenario: Scenario, trajectory: ManipulationTrajectory, said: dict
+    feeler: Feeler,
+    scenario: Scenario,
+    probe: Probe | None,
+    said: dict[str, str],
+    tracked: bool,
 ) -> Claim:
-    """The claim from what the mode switcher says at the end: texts `pairs` (JSON), `interrupted` and `deviation` [rad]."""
+    """The claim from what the mode switcher says after a probe: texts `pairs` (JSON) and `interrupted`."""
     try:
         pairs = np.array(json.loads(said.get('pairs') or '[]'), float).reshape(-1, 2)
-        deviation = float(said.get('deviation') or 'inf')
     except ValueError as error:
         return Claim(UNKNOWN, f'what the probe measured cannot be read: {error}')
-    if trajectory.probe is None or not len(pairs):
+    if probe is None or not len(pairs):
         return Claim(
             UNVERIFIED, 'unverified: the trajectory was led to its end, and no probe was made'
         )
-    felt = feeler.feel(trajectory.probe, pairs, said.get('interrupted', ''))
-    return claim(feeler, scenario, felt, deviation < KEPT)
+    felt = feeler.feel(probe, pairs, said.get('interrupted', ''))
+    return claim(feeler, scenario, felt, tracked)
+
+
+def reported_as_kept(
+    feeler: Feeler, trajectory: ManipulationTrajectory, said: dict[str, str]
+) -> bool:
+    """`kept_to_plan` from what the mode switcher says: texts `course` (JSON) and `deviation` [rad]; what cannot be read was
+    not kept to.
+    """
+    try:
+        course = np.array(json.loads(said.get('course') or '[]'), float).reshape(-1, 2)
+        return kept_to_plan(feeler, trajectory, course, float(said.get('deviation') or 'inf'))
+    except ValueError:
+        return False
 
 
 def _missing(feeler: Feeler, scenario: Scenario, edge: int, segment: int, x: float) -> str:

@@ -93,6 +93,11 @@ class Feeler:
         self.hypotheses = resting_hypotheses(self.model)
         self.classes = alike(self.model, self.hypotheses)
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether some edges of the object feel alike."""
+        return any(len(members) > 1 for members in self.classes)
+
     def feel(self, probe: Probe, pairs: np.ndarray, interrupted: str = '') -> Felt:
         """What the pairs (k, 2) [rad], left then right, of a probe of k places say; interrupted: why the probe ended early, if it did."""
         pairs = np.asarray(pairs, float).reshape(-1, 2)

@@ -1,10 +1,9 @@
 """Hypotheses: the ways in which the object of a scenario may lie in the hand, and which of them no finger can tell apart."""
 
 from wholearm_ros.estimation.squeeze import Resting, SqueezeModel
-from wholearm_ros.model.polygon import Polygon, same_outlines
+from wholearm_ros.model.polygon import ALIKE, Polygon, same_outlines
 
 NEARLY_STABLE = 0.06  # share of an edge's length by which the centroid may stand beside it: the true object's may not
-SAME_OUTLINE = 5e-4  # [m] outlines seen from two edges that differ by less feel the same
 
 
 def resting_hypotheses(model: SqueezeModel) -> tuple:
@@ -21,9 +20,7 @@ def alike(model: SqueezeModel, hypotheses: tuple) -> tuple:
     for k, one in enumerate(hypotheses):
         for members in classes:
             other: Resting = hypotheses[members[0]]
-            if one.segment == other.segment and same_outlines(
-                polygon, one.edge, other.edge, SAME_OUTLINE
-            ):
+            if one.segment == other.segment and same_outlines(polygon, one.edge, other.edge, ALIKE):
                 members.append(k)
                 break
         else:

@@ -136,6 +136,11 @@ class ContactPlan:
     execution: dict[str, Any] = field(default_factory=dict)
     certificate: Certificate | None = None
     band: Band | None = None
+    courses: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        if self.courses is not None:
+            object.__setattr__(self, 'courses', readonly(self.courses, (-1, -1, 2)))
 
     @property
     def found(self) -> bool:
@@ -191,6 +196,7 @@ class ContactPlan:
             'execution': self.execution,
             **({'certificate': self.certificate.to_dict()} if self.certificate else {}),
             **({'band': self.band.to_dict()} if self.band else {}),
+            **({} if self.courses is None else {'courses': self.courses.tolist()}),
         }
 
     @classmethod
@@ -232,4 +238,5 @@ class ContactPlan:
             d['execution'],
             Certificate(**d['certificate']) if d.get('certificate') else None,
             Band.from_dict(d['band']) if d.get('band') else None,
+            d.get('courses'),
         )

@@ -7,6 +7,8 @@ import numpy as np
 
 from wholearm_ros.model.arrays import readonly
 
+ALIKE = 5e-4  # [m] outlines seen from two edges that differ by less feel the same
+
 
 @dataclass(frozen=True, eq=False)
 class Polygon:
@@ -83,6 +85,14 @@ def support(vertices: np.ndarray, angle: float, normal: np.ndarray) -> float:
     the origin it is negative.
     """
     return float((rotated(vertices, angle) @ normal).min())
+
+
+def edges_look_alike(polygon: Polygon, tolerance: float) -> bool:
+    """Whether the outline looks the same when it is turned, as a regular polygon's does; vertices
+    within `tolerance` [m].
+    """
+    count = len(polygon.vertices)
+    return any(same_outlines(polygon, 0, other, tolerance) for other in range(1, count))
 
 
 def same_outlines(polygon: Polygon, one: int, other: int, tolerance: float) -> bool:

@@ -249,11 +249,12 @@ class ModeSwitcher(WholeArmNode):
             'interrupted': run.interrupted if run else '',
             'deviation': run.deviation if run else '',
             'deviated': run.deviated if run else '',
+            'course': told_course(run),
         }
 
     def health(self):
         values = {
-            **self.progress_values(),
+            **{k: v for k, v in self.progress_values().items() if k != 'course'},
             'states': self.states,
             'silence ms': 1e3 * (time.monotonic() - self.heard),
         }
@@ -263,6 +264,11 @@ class ModeSwitcher(WholeArmNode):
 def felt_pairs(run) -> str:
     """What the probe has measured, JSON: a list of pairs [rad]; '' when none was made."""
     return json.dumps([pair.tolist() for pair in run.pairs]) if run and run.pairs else ''
+
+
+def told_course(run) -> str:
+    """Where both fingers were every COURSE_PERIOD, JSON: a list of pairs [rad]; '' before the end of a run."""
+    return json.dumps(run.course.round(4).tolist()) if run and run.mode == DONE else ''
 
 
 def main():

@@ -8,7 +8,13 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
-from wholearm_ros.estimation.claim import AT_GOAL, UNVERIFIED, Claim, reported_claim
+from wholearm_ros.estimation.claim import (
+    AT_GOAL,
+    UNVERIFIED,
+    Claim,
+    reported_as_kept,
+    reported_claim,
+)
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.plan import ContactPlan
@@ -175,8 +181,9 @@ class TrajectoryGenerator(WholeArmNode):
 
     def conclude(self, mode: str, canceling: bool):
         if mode == DONE:
+            kept = reported_as_kept(self.feeler, self.trajectory, self.progress)
             self.claimed = reported_claim(
-                self.feeler, self.scenario, self.trajectory, self.progress
+                self.feeler, self.scenario, self.trajectory.probe, self.progress, kept
             )
             reached = self.claimed.outcome in (AT_GOAL, UNVERIFIED)
             self.end(SUCCEEDED if reached else ABORTED, self.claimed.reason)

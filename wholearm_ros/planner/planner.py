@@ -19,6 +19,7 @@ from wholearm_ros.planner.refusal import refusal
 from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.planner.stopwatch import PLAN, Stopwatch
 from wholearm_ros.rollout.band import build_band
+from wholearm_ros.rollout.courses import build_courses
 from wholearm_ros.trajectory.check_dwell import check_dwells
 
 Progress = Callable[[str], None]
@@ -105,7 +106,8 @@ def _certified(
         plan = replace(plan, certificate=certificate)
         rollouts.extend(certification.rollouts)
     band = build_band(candidate.trajectory, rollouts)
-    plan = replace(plan, band=band)
+    courses = build_courses(evaluation.scenario, rollouts)
+    plan = replace(plan, band=band, courses=courses)
     dwells = check_dwells(evaluation.scenario, candidate.trajectory)
     record = {
         **candidate.verification.to_dict(),
@@ -114,5 +116,7 @@ def _certified(
         'level': request.level,
         'candidates_tried': evaluation.tried,
     }
-    trajectory = replace(candidate.trajectory, plan_id=plan.id, verification=record, band=band)
+    trajectory = replace(
+        candidate.trajectory, plan_id=plan.id, verification=record, band=band, courses=courses
+    )
     return PlanResult(plan, trajectory, watch.timings, candidate.verification)

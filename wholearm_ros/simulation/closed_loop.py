@@ -1,6 +1,6 @@
 """The closed loop without ROS: the same mode switch and controllers as the nodes, on a stand-in."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Optional
 
 import numpy as np
@@ -35,7 +35,7 @@ class RunRecord:
     modes: (m,) names; reason: why the switch stopped, '' when it did not; truth: the scenario with
     the perturbation applied; pairs: (2,) each [rad], what the probe measured; interrupted: why it
     ended early, '' when it did not; deviated: where and how the fingers left the trajectory's
-    band, '' when they did not; deviation: see `Execution.deviation`.
+    band, '' when they did not; deviation, course (r, 2) [rad]: see `Execution`.
     """
 
     times: np.ndarray
@@ -52,6 +52,7 @@ class RunRecord:
     interrupted: str = ''
     deviated: str = ''
     deviation: float = float('inf')
+    course: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
 
     def time_in_modes(self) -> dict[str, float]:
         """Seconds in each mode that occurred, in order of appearance."""
@@ -152,6 +153,7 @@ def lead(
         execution.interrupted,
         execution.deviated,
         execution.deviation,
+        execution.course,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from wholearm_ros.control.execution import PROBING, Execution
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.estimation.claim import KEPT, UNKNOWN, UNVERIFIED, Claim, claim
+from wholearm_ros.estimation.claim import UNKNOWN, UNVERIFIED, Claim, claim, kept_to_plan
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after
@@ -191,7 +191,7 @@ class _Session:
         steps = int(np.ceil(seconds / self.hand.period))
         record = lead(self.hand, execution, self.controls, steps, self.perturbation)
         if planned:
-            self.tracked = record.deviation < KEPT
+            self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.deviation)
         said = self._claim(record, probe)
         self.motions.append(Motion(trajectory, record, said, planned))
         return said

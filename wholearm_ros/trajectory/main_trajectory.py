@@ -38,7 +38,7 @@ def generate(
         trajectory = mirror_trajectory(ccw, scenario)
     else:
         trajectory = _generate(scenario, plan, options, plan.id)
-    return replace(trajectory, band=band)
+    return replace(trajectory, band=band, courses=plan.courses)
 
 
 def _generate(

@@ -63,6 +63,12 @@ RESULT = Topic('trajectory_generator/result', DiagnosticStatus, LATCHED)
 JOINT_TRAJECTORY = Topic('trajectory_generator/joint_trajectory', JointTrajectory, LATCHED)
 MANIPULATION_TRAJECTORY = Topic('trajectory_generator/manipulation_trajectory', String, LATCHED)
 
+REORIENTATION_GOAL = Topic('reorientation/goal', GoalInfo, RELIABLE)
+REORIENTATION_CANCEL = Topic('reorientation/cancel', GoalInfo, RELIABLE)
+REORIENTATION_STATUS = Topic('reorientation/status', GoalStatusArray, LATCHED)
+REORIENTATION_FEEDBACK = Topic('reorientation/feedback', DiagnosticStatus, RELIABLE)
+REORIENTATION_RESULT = Topic('reorientation/result', DiagnosticStatus, LATCHED)
+
 MODE = Topic('mode_switcher/mode', String, LATCHED)
 PROGRESS = Topic('mode_switcher/progress', DiagnosticStatus, RELIABLE)
 STOP = Service('mode_switcher/stop', Trigger)

@@ -2,12 +2,16 @@
 
 from wholearm_ros.control.setpoints import ControlOptions, PdGains
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.model.scenario_file import load_scenario, parse_scenario
+from wholearm_ros.model.yaml_text import parse_mapping
 from wholearm_ros.package_share import scenario_path
 from wholearm_ros.ros.interface.parameters import Declared, Parameters
 
 SCENARIO = Declared(
-    'scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'
+    'scenario',
+    '',
+    'scenario file, its content as JSON, or the name of a shipped one; '
+    'empty: the asymmetric hexagon',
 )
 PACING = Declared(
     'pacing',
@@ -54,6 +58,8 @@ STOP_OUTSIDE = Declared(
 
 def scenario_of(parameters: Parameters) -> Scenario:
     """The scenario that `scenario` names. Raises ScenarioError."""
+    if parameters.scenario.lstrip().startswith('{'):
+        return parse_scenario(parse_mapping(parameters.scenario, 'scenario'), 'scenario')
     return load_scenario(scenario_path(parameters.scenario))
 
 

@@ -25,6 +25,8 @@ from wholearm_ros.ros.interface.joint_state_serialization import (
 )
 
 NO_GOAL = bytes(16)  # a cancel with it means: whatever is running
+# A goal of the generator that only feels what lies in the hand.
+FEEL_GOAL = uuid.uuid5(uuid.NAMESPACE_OID, 'wholearm: feel').bytes
 _NAME_OF = [(name,) for name in JOINT_NAMES]
 PLANAR_TILT = 1e-3  # [rad] how far a pose's rotation may be from one about z
 
