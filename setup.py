@@ -8,6 +8,7 @@ NAME = 'wholearm_ros'
 NODES = [
     'contact_state_planner',
     'trajectory_generator',
+    'reorientation',
     'mode_switcher',
     'velocity_controller',
     'torque_controller',

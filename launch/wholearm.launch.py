@@ -35,6 +35,7 @@ ARGUMENTS = (
     ),
     ('time_budget', '180.0', 'for a plan, its verification included [s]'),
     ('probe', 'true', 'whether the hand feels where the object lies in the end'),
+    ('attempts', '4', 'trajectories at most for a goal of the reorientation'),
     ('priority', '20', 'of the loop in real time, where the machine allows it; 0: none'),
     ('record', '', 'directory of a bag to record into; empty: none'),
     ('storage', 'mcap', 'format of the bag: mcap or sqlite3'),
@@ -86,7 +87,8 @@ def generate_launch_description():
         node('mode_switcher', {**pacing, **loop, 'probe': number('probe', bool)}),
         node('velocity_controller', {**scenario, **loop}),
         node('torque_controller', {**scenario, **loop, **rate}),
-        node('trajectory_generator', {}),
+        node('trajectory_generator', {**scenario}),
+        node('reorientation', {**scenario, 'max_attempts': number('attempts', int)}),
         node(
             'contact_state_planner',
             {

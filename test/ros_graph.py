@@ -11,6 +11,7 @@ from wholearm_ros.ros.interface import channels
 WAIT = 150.0  # [s] a bound, not a measure: machines may be loaded
 LOOP = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller')
 ALL = (*LOOP, 'trajectory_generator', 'contact_state_planner')
+WHOLE = (*ALL, 'reorientation')
 PACED = ('hand_hardware', 'mode_switcher')
 
 

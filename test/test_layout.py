@@ -66,6 +66,7 @@ def test_no_controller_and_no_switcher_hears_the_truth():
         'velocity_controller',
         'torque_controller',
         'trajectory_generator',
+        'reorientation',
     ):
         assert 'OBJECT_POSE' not in (ROOT / 'wholearm_ros' / 'nodes' / f'{name}.py').read_text()
     assert (

@@ -19,6 +19,7 @@ NODES = (
     'velocity_controller',
     'torque_controller',
     'trajectory_generator',
+    'reorientation',
     'bag_recorder',
 )
 

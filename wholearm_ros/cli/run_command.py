@@ -20,13 +20,14 @@ from wholearm_ros.cli.options import (
 from wholearm_ros.cli.output import FAILED, INTERRUPTED, finish, out
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.figures import figures_of, figures_without_a_plan
-from wholearm_ros.launcher.launcher import RunOptions, RunReport, run_graph
+from wholearm_ros.launcher.launcher import RunOptions, RunReport, attempt_line, run_graph
 from wholearm_ros.launcher.live_view import view_on
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Backend, Pacing, Search, Storage, Transition
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.package_share import scenario_path
+from wholearm_ros.planner.supervision import MAX_ATTEMPTS
 from wholearm_ros.ros.interface.transport import choose_transport
 
 
@@ -67,6 +68,15 @@ def run(
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
     probe: Annotated[bool, typer.Option(help='Feel where the object lies in the end.')] = True,
+    attempts: Annotated[
+        int,
+        typer.Option(
+            '--attempts',
+            min=1,
+            max=20,
+            help='Trajectories at most: felt elsewhere, planned again from there.',
+        ),
+    ] = MAX_ATTEMPTS,
     network: Annotated[
         bool,
         typer.Option(
@@ -95,6 +105,7 @@ def run(
         transition=transition.value,
         time_budget=time_budget,
         probe=probe,
+        attempts=attempts,
     )
     report = _run(load_scenario(path), options)
     _print(report, options)
@@ -158,6 +169,8 @@ def _print(report: RunReport, options: RunOptions) -> None:
         x, y, turn = judged.pose
         _line('path', f'{report.path_length} subgoals')
         _line('modes', ', '.join(modes))
+        for place, attempt in enumerate(report.attempts, 1):
+            _line('' if place > 1 else 'attempts', attempt_line(place, attempt))
         _line('goal', f'{report.result.get("outcome")}: {report.result.get("reason")}')
         _line(
             'final pose',

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wholearm_ros.estimation.course import NEAR, nearest_course
+from wholearm_ros.estimation.course import FAIRLY_NEAR, NEAR, nearest_course
 from wholearm_ros.estimation.feel import LYING, NOTHING, Candidate, Feeler, Felt, fits
 from wholearm_ros.model.goal import goal_region
 from wholearm_ros.model.probe import Probe
@@ -111,10 +111,11 @@ def kept_to_plan(
     """Whether the fingers kept to the plan.
 
     course (m, 2), deviation [rad]: see `Execution`. For an object with edges that feel alike the whole course counts, else
-    the checkpoints: they leave it open whether the object slipped back by an edge between two of them.
+    the checkpoints: by themselves they leave it open whether the object slipped back by an edge between two of them.
     """
     if feeler.symmetric:
-        return nearest_course(course, trajectory.courses) < NEAR
+        near = nearest_course(course, trajectory.courses)
+        return near < NEAR or (near < FAIRLY_NEAR and deviation < KEPT / 2)
     return deviation < KEPT
 
 

@@ -162,6 +162,11 @@ def probe_after(feeler: Feeler, trajectory: ManipulationTrajectory) -> Probe:
     return plan_probe(feeler.model, feeler.hypotheses, expected, held, end)
 
 
+def probe_of_the_unknown(feeler: Feeler, held: int, end: float) -> Probe:
+    """The probe of whatever lies in the hand, the held finger at `end` [rad]: nothing is believed."""
+    return plan_probe(feeler.model, feeler.hypotheses, -1, held, end)
+
+
 def nearest_resting(hypotheses: tuple, pose: np.ndarray) -> int:
     """The place in `hypotheses` of the one in which an object at `pose` (3,) lies, −1 when it lies in none."""
     off = [

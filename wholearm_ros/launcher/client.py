@@ -1,6 +1,7 @@
 """A client of the graph: plans, sends the goal, follows it, and judges the object's final pose by the truth."""
 
 import time
+import uuid
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -41,6 +42,9 @@ class LatestMessages:
     feedback: dict = field(default_factory=dict)
     result: dict = field(default_factory=dict)
     result_message: str = ''
+    reorientation: dict = field(default_factory=dict)  # feedback of the supervisor
+    reached: dict = field(default_factory=dict)  # its result
+    reached_message: str = ''
     poses: dict = field(default_factory=dict)  # stamp [ns] → (3,)
 
 
@@ -51,6 +55,7 @@ class Client:
         self, watch=lambda: None, name: str = 'wholearm_client', namespace: str = channels.NAMESPACE
     ):
         self.latest, self.watch, self._request_stamp = LatestMessages(), watch, ''
+        self._reorient_id = ''
         choose_transport()
         self.context = rclpy.Context()
         rclpy.init(
@@ -67,6 +72,16 @@ class Client:
         self._cancel = self.node.create_publisher(
             channels.CANCEL.type, channels.CANCEL.name, channels.CANCEL.qos
         )
+        self._reorient = self.node.create_publisher(
+            channels.REORIENTATION_GOAL.type,
+            channels.REORIENTATION_GOAL.name,
+            channels.REORIENTATION_GOAL.qos,
+        )
+        self._cancel_reorientation = self.node.create_publisher(
+            channels.REORIENTATION_CANCEL.type,
+            channels.REORIENTATION_CANCEL.name,
+            channels.REORIENTATION_CANCEL.qos,
+        )
         for topic, hear in (
             (channels.CONTACT_PLAN, self._on_plan),
             (channels.PLANNER_STATUS, self._on_planner),
@@ -75,6 +90,8 @@ class Client:
             (channels.PROGRESS, self._on_progress),
             (channels.FEEDBACK, self._on_feedback),
             (channels.RESULT, self._on_result),
+            (channels.REORIENTATION_FEEDBACK, self._on_reorientation),
+            (channels.REORIENTATION_RESULT, self._on_reached),
         ):
             self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
         deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -136,6 +153,20 @@ class Client:
         self._request_stamp = str(to_nanoseconds(stamp))
         self._goal.publish(goal_message(to_goal_id(plan_id), stamp))
 
+    def reorient(self) -> str:
+        """Asks the supervisor for the goal of its scenario, attempt after attempt; the goal's id."""
+        goal, stamp = uuid.uuid4(), self.node.get_clock().now().to_msg()
+        self.latest.reorientation, self.latest.reached = {}, {}
+        self._reorient_id, self._request_stamp = str(goal), str(to_nanoseconds(stamp))
+        self._reorient.publish(goal_message(goal.bytes, stamp))
+        return self._reorient_id
+
+    def cancel_reorientation(self):
+        """Whatever the supervisor is doing."""
+        self._cancel_reorientation.publish(
+            goal_message(NO_GOAL, self.node.get_clock().now().to_msg())
+        )
+
     def cancel(self):
         self._cancel.publish(goal_message(NO_GOAL, self.node.get_clock().now().to_msg()))
 
@@ -172,6 +203,16 @@ class Client:
             values.get('request_stamp', self._request_stamp) == self._request_stamp
         ):  # not another client's rejection
             self.latest.result, self.latest.result_message = values, message.message
+
+    def _on_reorientation(self, message):
+        values = values_of(message)
+        if values.get('goal_id') == self._reorient_id:
+            self.latest.reorientation = values
+
+    def _on_reached(self, message):
+        values = values_of(message)
+        if values.get('goal_id') == self._reorient_id:
+            self.latest.reached, self.latest.reached_message = values, message.message
 
     def _on_pose(self, message):
         self.latest.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')

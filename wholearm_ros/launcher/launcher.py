@@ -2,6 +2,7 @@
 goal.
 """
 
+import json
 import tempfile
 import time
 from collections.abc import Callable
@@ -11,12 +12,13 @@ from typing import Optional
 
 import numpy as np
 
-from wholearm_ros.launcher.client import Client
+from wholearm_ros.launcher.client import Client, LatestMessages
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
 from wholearm_ros.model.backends import DEFAULT_BACKEND
-from wholearm_ros.model.orientation import start_rotation
+from wholearm_ros.model.orientation import goal_rotation, start_rotation
 from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.planner.supervision import MAX_ATTEMPTS
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.outcome import Outcome, outcome
@@ -25,6 +27,7 @@ START_WITHIN = 300.0  # [s] the first time, everything is compiled
 # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 SLACK = 60.0
 LOCKSTEP_SLOWNESS = 60.0
+LONGEST_SILENCE = 30.0  # [s] of the supervisor while it executes
 # of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
 LOOP_PRIORITY = 20
 
@@ -47,6 +50,7 @@ class RunOptions:
     search: str = 'best'
     transition: str = 'auto'
     probe: bool = True
+    attempts: int = MAX_ATTEMPTS
     time_budget: float = 180.0
 
 
@@ -54,7 +58,8 @@ class RunOptions:
 class RunReport:
     """planned: whether there was a plan; message: one line about it; planner: figures of the
     search; result: of the goal; judged: the object's pose against its goal, None when nothing was
-    executed; modes: seconds in each, as planned; timings [s]: of start, planning and execution.
+    executed; modes: seconds in each, as planned; timings [s]: of start, planning and execution;
+    attempts: in order, what was felt after each trajectory, and after a probe alone (planned: False).
     """
 
     planned: bool
@@ -65,6 +70,7 @@ class RunReport:
     modes: dict
     timings: dict
     path_length: int = 0
+    attempts: tuple = ()
 
     @property
     def success(self) -> bool:
@@ -100,7 +106,8 @@ def node_parameters(options: RunOptions) -> dict:
         'mode_switcher': {**pacing, **loop, 'probe': options.probe},
         'velocity_controller': {**scenario, **loop},
         'torque_controller': {**scenario, **loop, 'motor_rate': options.rate},
-        'trajectory_generator': {},
+        'trajectory_generator': {**scenario},
+        'reorientation': {**scenario, 'max_attempts': options.attempts},
         'contact_state_planner': {
             **scenario,
             'seed': options.seed,
@@ -145,62 +152,90 @@ def _plan_and_execute(client: Client, scenario, options, tell) -> RunReport:
             START_WITHIN,
             'bag_recorder',
         )
+    client.wait(
+        lambda: client.node.count_subscribers(channels.REORIENTATION_GOAL.name) >= 1,
+        START_WITHIN,
+        'reorientation',
+    )
     clock.append(time.monotonic())
     tell('planning')
-    answer = client.call(channels.PLAN_SCENARIO, START_WITHIN + options.time_budget)
-    clock.append(time.monotonic())
-    tell(answer.message)
+    client.reorient()
     latest = client.latest
-    if not answer.success:
-        return RunReport(False, answer.message, latest.planner, {}, None, {}, _timings(clock))
-    client.wait(
-        lambda: latest.plan and latest.trajectory and latest.trajectory.plan_id == latest.plan.id,
-        SLACK,
-        'manipulation_trajectory',
-    )
-    client.send_goal(latest.plan.id)
-    _follow(client, options, tell)
-    clock.append(time.monotonic())
-    judged = _judge(client, scenario)
+    planned_at = _follow(client, options, tell)
+    clock += [planned_at, time.monotonic()]
+    reached = latest.reached
+    attempts = tuple(json.loads(reached.get('tries') or '[]'))
+    if not attempts:
+        reason = reached.get('reason', '')
+        return RunReport(False, reason, latest.planner, reached, None, {}, _timings(clock[:3]))
     return RunReport(
         True,
-        answer.message,
+        latest.planner.get('message', ''),
         latest.planner,
-        latest.result,
-        judged,
+        reached,
+        _judge(client, scenario, len(attempts)),
         latest.trajectory.time_in_modes(),
         _timings(clock),
         len(latest.plan.path),
+        attempts,
     )
 
 
-def _follow(client: Client, options, tell) -> None:
-    latest = client.latest
+def _follow(client: Client, options: RunOptions, tell) -> float:
+    """Until the supervisor's result; the instant [s] at which the first plan was there, or none
+    could be made.
+    """
+    latest, planned_at, told = client.latest, 0.0, 0
     slowness = LOCKSTEP_SLOWNESS if options.pacing == 'lockstep' else 1.0
-    deadline = time.monotonic() + latest.trajectory.duration * slowness + SLACK
-    while not latest.result:
-        before = latest.feedback
+    while not latest.reached:
+        before = latest.reorientation
+        longest = START_WITHIN + options.time_budget
+        if before.get('phase', 'planning') != 'planning':
+            longest = LONGEST_SILENCE * slowness + SLACK
+            planned_at = planned_at or time.monotonic()
         client.wait(
-            lambda: latest.result or latest.feedback is not before,
-            max(0.1, deadline - time.monotonic()),
-            'trajectory_generator/result',
+            lambda: latest.reached or latest.reorientation is not before,
+            longest,
+            'reorientation/result',
         )
-        if latest.feedback.get('mode'):
-            tell(latest.feedback['mode'], float(latest.feedback['progress'] or 0.0))
-    tell(latest.result_message, 1.0)
+        told = _tell(latest, tell, told)
+    tell(latest.reached_message, 1.0)
+    return planned_at or time.monotonic()
 
 
-def _judge(client: Client, scenario) -> Outcome:
-    stamp = int(client.latest.result.get('stamp') or 0)
-    times, poses = client.final_poses(stamp, SLACK)
+def _tell(latest: LatestMessages, tell, told: int) -> int:
+    """Attempts that have ended since `told` of them had, and what goes on; how many have."""
+    now = latest.reorientation
+    ended = json.loads((latest.reached or now).get('tries') or '[]')
+    for place, attempt in enumerate(ended[told:], told + 1):
+        tell(attempt_line(place, attempt))
+    if now and not latest.reached:
+        before = f'attempt {now["attempt"]} of {now["max_attempts"]}: ' if ended else ''
+        doing = now['mode'] if now['phase'] != 'planning' else 'planning'
+        if doing:
+            tell(f'{before}{doing}', float(now.get('progress') or 0.0))
+    return len(ended)
+
+
+def attempt_line(place: int, attempt: dict) -> str:
+    """What came of one motion of a run, for people."""
+    kind = 'attempt' if attempt['planned'] else 'felt again'
+    return f'{place}. {kind}: {attempt["claimed"] or attempt["outcome"]}: {attempt["reason"]}'
+
+
+def _judge(client: Client, scenario: Scenario, motions: int) -> Outcome:
+    """The object's true pose at the end against its goal, whole turns aside where there were
+    several motions.
+    """
+    reached = client.latest.reached
+    times, poses = client.final_poses(int(reached.get('stamp') or 0), SLACK)
     poses[:, 2] = np.unwrap(poses[:, 2])
-    poses[:, 2] += 2 * np.pi * np.round((start_rotation(scenario) - poses[0, 2]) / (2 * np.pi))
+    wanted = start_rotation(scenario) - poses[0, 2]
+    if motions > 1:
+        wanted = goal_rotation(scenario) - poses[-1, 2]
+    poses[:, 2] += 2 * np.pi * np.round(wanted / (2 * np.pi))
     nothing = np.zeros((len(times), 2))
-    reason = (
-        ''
-        if client.latest.result.get('outcome') == 'succeeded'
-        else client.latest.result.get('reason', '')
-    )
+    reason = '' if reached.get('outcome') == 'succeeded' else reached.get('reason', '')
     return outcome(
         scenario,
         RunRecord(

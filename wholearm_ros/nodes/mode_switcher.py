@@ -245,6 +245,7 @@ class ModeSwitcher(WholeArmNode):
             'trajectory start': '' if started is None else started,
             'progress': run.progress if run else 0.0,
             'time left s': run.time_left if run else 0.0,
+            'angles': '' if self.joints is None else json.dumps(self.joints.angles.tolist()),
             'pairs': felt_pairs(run),
             'interrupted': run.interrupted if run else '',
             'deviation': run.deviation if run else '',

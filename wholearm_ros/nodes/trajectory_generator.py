@@ -1,9 +1,11 @@
 """Makes the trajectory of a contact plan, and takes goals: which one runs, how far it is, how it ended."""
 
+import json
 import sys
 import time
 from dataclasses import replace
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
@@ -16,9 +18,12 @@ from wholearm_ros.estimation.claim import (
     reported_claim,
 )
 from wholearm_ros.estimation.feel import Feeler
-from wholearm_ros.estimation.probe_plan import probe_after
+from wholearm_ros.estimation.hold import hold_trajectory
+from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
+from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
 from wholearm_ros.ros.interface.goals import (
     ABORTED,
     ACCEPTED,
@@ -30,6 +35,7 @@ from wholearm_ros.ros.interface.goals import (
     Goals,
 )
 from wholearm_ros.ros.interface.messages import (
+    FEEL_GOAL,
     NO_GOAL,
     goal_id_of,
     goal_message,
@@ -49,6 +55,7 @@ from wholearm_ros.ros.visualization.markers import plan_markers
 from wholearm_ros.trajectory.main_trajectory import generate
 
 DECLARED = (
+    SCENARIO,
     Declared(
         'switcher_timeout',
         0.4,
@@ -67,8 +74,11 @@ class TrajectoryGenerator(WholeArmNode):
     def __init__(self):
         super().__init__('trajectory_generator', DECLARED)
         self.goals, self.trajectory, self.plan_id = Goals(), None, None
+        self.executed = self.published = None  # trajectory of the last goal; id of the newest one
+        self.kept = False  # whether the last run of a plan kept to it
         self.progress, self.progress_at, self.last_stamp = {}, 0.0, 0  # of the switcher; [s]; [ns]
-        self.feeler, self.scenario, self.claimed = None, None, None
+        self.scenario, self.claimed = scenario_of(self.parameters), None
+        self.feeler = Feeler(self.scenario)
 
         self.accepted_at = 0.0  # [s]
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
@@ -92,15 +102,19 @@ class TrajectoryGenerator(WholeArmNode):
         self.plan_id = to_goal_id(plan.id)
         now = self.get_clock().now().to_msg()
         self.joint_trajectory.publish(to_joint_trajectory(self.trajectory, now))
-        self.manipulation_trajectory.publish(String(data=self.trajectory.to_json()))
+        self.publish_trajectory(self.trajectory)
         self.markers.publish(plan_markers(plan.scenario, self.trajectory))
         self.get_logger().info(
             f'plan {plan.id[:8]}: trajectory of {self.trajectory.duration:.2f} s'
         )
 
+    def publish_trajectory(self, trajectory):
+        self.published = to_goal_id(trajectory.plan_id)
+        self.manipulation_trajectory.publish(String(data=trajectory.to_json()))
+
     def on_goal(self, message):
         goal = goal_id_of(message)
-        if goal != self.plan_id:
+        if goal not in (self.plan_id, FEEL_GOAL):
             known = goal_name(self.plan_id) if self.plan_id else 'none yet'
             self.reject(
                 message, f'unknown plan {goal_name(goal)}; allowed: the newest plan ({known})'
@@ -110,7 +124,12 @@ class TrajectoryGenerator(WholeArmNode):
                 message,
                 f'busy with goal {goal_name(goal_id_of(self.goals.active.info))}; allowed: one at a time',
             )
+        elif goal == FEEL_GOAL and not self.progress.get('angles'):
+            self.reject(message, 'the mode switcher has not told where the fingers are')
         else:
+            self.executed = self.hold() if goal == FEEL_GOAL else self.trajectory
+            if self.published != goal or goal == FEEL_GOAL:
+                self.publish_trajectory(self.executed)
             self.last_stamp = max(self.get_clock().now().nanoseconds, self.last_stamp + 1)
             info = goal_message(goal, self.get_clock().now().to_msg())
             set_stamp(info.stamp, self.last_stamp)
@@ -118,6 +137,20 @@ class TrajectoryGenerator(WholeArmNode):
             self.publish_status()
             self.accepted_at, self.claimed = time.monotonic(), None
             self.watch()
+
+    def hold(self):
+        """The fingers where they are, and the probe of what lies between them, from the other side than the last one."""
+        angles = np.array(json.loads(self.progress['angles']))
+        weights, before = self.feeler.model.world.finger_moment, self.executed
+        held = 1 - before.segments[-1].velocity_finger if before else LEFT
+        pose = before.poses[-1] if before else self.feeler.hypotheses[0].pose
+        hold = hold_trajectory(angles, weights, pose, held)
+        probe = (
+            probe_after(self.feeler, hold)
+            if before
+            else probe_of_the_unknown(self.feeler, held, float(angles[held]))
+        )
+        return replace(hold, plan_id=goal_name(FEEL_GOAL), probe=probe)
 
     def reject(self, request, reason: str):
         """The stamp of the request tells its client that it is meant: others may have sent the same goal."""
@@ -181,9 +214,10 @@ class TrajectoryGenerator(WholeArmNode):
 
     def conclude(self, mode: str, canceling: bool):
         if mode == DONE:
-            kept = reported_as_kept(self.feeler, self.trajectory, self.progress)
+            if self.executed is self.trajectory:
+                self.kept = reported_as_kept(self.feeler, self.trajectory, self.progress)
             self.claimed = reported_claim(
-                self.feeler, self.scenario, self.trajectory.probe, self.progress, kept
+                self.feeler, self.scenario, self.executed.probe, self.progress, self.kept
             )
             reached = self.claimed.outcome in (AT_GOAL, UNVERIFIED)
             self.end(SUCCEEDED if reached else ABORTED, self.claimed.reason)
@@ -198,7 +232,7 @@ class TrajectoryGenerator(WholeArmNode):
             'reason': reason,
             'stamp': self.progress.get('stamp', ''),
             'progress': self.progress.get('progress', ''),
-            'duration': self.trajectory.duration,
+            'duration': self.executed.duration,
             **({} if self.claimed is None else told_values(self.claimed)),
         }
         name = NAMES[status]

@@ -1,0 +1,106 @@
+"""The supervisor on the real graph: a goal to its end, refused, canceled and ended in each phase; a probe before any plan."""
+
+import json
+import os
+import signal
+
+import pytest
+from ros_graph import ALL, LOOP, WHOLE
+
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.messages import FEEL_GOAL, goal_message, goal_name
+
+pytestmark = pytest.mark.timeout(280)
+QUICK = {
+    'hand_hardware': {'motor_rate': 250.0, 'backend': 'planar'},
+    'torque_controller': {'motor_rate': 250.0},
+}
+
+
+def reached(graph) -> dict:
+    """The result of the goal that was sent last."""
+    graph.wait(lambda: graph.client.latest.reached, 'reorientation/result')
+    return graph.client.latest.reached
+
+
+def in_phase(graph, phase: str, mode: str = '') -> None:
+    """Waits until the goal is there."""
+
+    def there():
+        told = graph.client.latest.reorientation
+        return told.get('phase') == phase and mode in told.get('mode', '')
+
+    graph.wait(there, f'{phase} {mode}')
+
+
+def supervised(graph, **more) -> None:
+    """The whole graph, the supervisor ready for goals."""
+    graph.start(WHOLE, **{**QUICK, **more})
+    graph.client.wait_for_graph(120.0)
+    topic = channels.REORIENTATION_GOAL.name
+    graph.wait(lambda: graph.node.count_subscribers(topic) > 0, topic)
+
+
+def test_a_goal_is_refused_canceled_in_each_phase_and_reached(graph):
+    supervised(graph)
+    graph.client.reorient()
+    in_phase(graph, 'planning')
+    graph.client.cancel_reorientation()
+    result = reached(graph)
+    assert (result['outcome'], result['reason']) == ('canceled', 'canceled while planning')
+
+    states = graph.listen(channels.PLANNER_STATUS)
+    graph.wait(lambda: states and 'subgoals' in states[-1].message, 'the planner to be free')
+    graph.client.reorient()
+    in_phase(graph, 'executing', 'quasi_static')
+    first = graph.client._reorient_id
+    second = graph.client.reorient()  # while busy
+    result = reached(graph)
+    assert result['outcome'] == 'rejected' and f'busy with goal {first}' in result['reason']
+    assert second != first
+    graph.client.cancel_reorientation()
+    graph.wait(lambda: graph.client.latest.mode == 'stopped', 'the hand to hold')
+
+    assert graph.client.call(channels.RESET, 60.0).success
+    graph.client.reorient()
+    result = reached(graph)
+    assert result['outcome'] == 'succeeded', result
+    assert (result['claimed'], result['felt_edge'], result['attempts']) == ('at_goal', '5', '1')
+    tries = json.loads(result['tries'])
+    assert len(tries) == 1 and tries[0]['goal_id'] == graph.client.latest.plan.id
+    assert tries[0]['stamp'] == result['stamp']
+
+
+def test_a_planner_that_dies_ends_the_goal(graph):
+    supervised(graph)
+    graph.client.watch = lambda: None
+    graph.client.reorient()
+    in_phase(graph, 'planning')
+    os.kill(graph.processes.pid('contact_state_planner'), signal.SIGKILL)
+    result = reached(graph)
+    assert result['outcome'] == 'aborted' and 'contact_state_planner is gone' in result['reason']
+
+
+def test_a_stop_while_probing_ends_the_goal(graph):
+    supervised(graph)
+    graph.client.reorient()
+    in_phase(graph, 'executing', 'probing')
+    assert graph.client.call(channels.STOP, 60.0).success
+    result = reached(graph)
+    assert result['outcome'] == 'aborted' and 'stop' in result['reason']
+    assert result['tries'] and not json.loads(result['tries'])[0]['claimed']
+
+
+def test_what_lies_in_the_hand_is_felt_before_anything_is_planned(graph):
+    """By the generator's goal of that id; the planner is not needed."""
+    graph.start((*LOOP, 'trajectory_generator'), **QUICK)
+    assert 'contact_state_planner' in ALL
+    goal = graph.talk(channels.GOAL)
+    graph.wait(lambda: graph.client.latest.progress.get('angles'), 'where the fingers are')
+    graph.client._request_stamp = ''
+    goal.publish(goal_message(FEEL_GOAL, graph.node.get_clock().now().to_msg()))
+    graph.wait(lambda: graph.client.latest.result, 'result')
+    result = graph.client.latest.result
+    assert result['goal_id'] == goal_name(FEEL_GOAL)
+    assert (result['claimed'], result['felt_edge']) == ('elsewhere', '0'), result
+    assert float(result['felt_x']) == pytest.approx(-0.02, abs=2e-3)

@@ -1,0 +1,341 @@
+"""Leads the scenario's goal to its end: plan, execute, feel, and plan again from what was felt."""
+
+import json
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from action_msgs.msg import GoalInfo
+from diagnostic_msgs.msg import DiagnosticStatus
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from std_msgs.msg import String
+
+from wholearm_ros.estimation.claim import AT_GOAL, UNKNOWN, UNVERIFIED, Claim
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario_file import scenario_to_dict
+from wholearm_ros.planner.supervision import END, FEEL, MAX_ATTEMPTS, Decision, Supervision
+from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
+from wholearm_ros.ros.interface.goals import (
+    ABORTED,
+    CANCELED,
+    CANCELING,
+    EXECUTING,
+    NAMES,
+    SUCCEEDED,
+    Goals,
+)
+from wholearm_ros.ros.interface.messages import (
+    FEEL_GOAL,
+    NO_GOAL,
+    goal_id_of,
+    goal_message,
+    goal_name,
+    goal_statuses,
+    status_message,
+    to_goal_id,
+    to_nanoseconds,
+    values_of,
+)
+from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.run import run_node
+
+DECLARED = (
+    SCENARIO,
+    Declared(
+        'max_attempts', MAX_ATTEMPTS, 'trajectories at most for one goal', 1, 20, read_only=False
+    ),
+)
+WATCH_PERIOD = 0.1  # [s]
+SET_PARAMETERS = channels.Service('contact_state_planner/set_parameters', SetParameters)
+PLANNING, EXECUTES, FEELING = 'planning', 'executing', 'feeling'
+TRACKING = (
+    'tracking error'  # how the mode switch begins the one reason after which the hand may go on
+)
+
+
+class Reorientation(WholeArmNode):
+    """goal, cancel → status, feedback, result; asks the planner and sends the generator its goals."""
+
+    def __init__(self) -> None:
+        super().__init__('reorientation', DECLARED)
+        self.scenario = scenario_of(self.parameters)  # refused now rather than at the first goal
+        self.goals = Goals()
+        self.supervision = Supervision(self.scenario)
+        self.phase, self.round, self.why_no_plan = '', 0, ''
+        self.waiting: list[Scenario] = []  # scenarios still to be tried for this attempt
+        self.wanted = ''  # beginning of the id of the plan that shall be executed
+        self.plan_id = self.trajectory_of = ''  # newest plan, and the plan of the newest trajectory
+        self.sent: tuple[bytes, int] | None = None  # id and request stamp of the generator's goal
+        self.last: dict[str, str] = {}  # the generator's last result
+        self.tries: list[dict[str, Any]] = []
+
+        self.planner = self.create_client(channels.PLAN_SCENARIO.type, channels.PLAN_SCENARIO.name)
+        self.planner_parameters = self.create_client(SET_PARAMETERS.type, SET_PARAMETERS.name)
+        self.generator_goal = self.publisher(channels.GOAL)
+        self.generator_cancel = self.publisher(channels.CANCEL)
+        self.status = self.publisher(channels.REORIENTATION_STATUS)
+        self.feedback = self.publisher(channels.REORIENTATION_FEEDBACK)
+        self.result = self.publisher(channels.REORIENTATION_RESULT)
+        self.subscription(channels.REORIENTATION_GOAL, self.on_goal)
+        self.subscription(channels.REORIENTATION_CANCEL, self.on_cancel)
+        self.subscription(channels.CONTACT_PLAN, self.on_plan)
+        self.subscription(channels.MANIPULATION_TRAJECTORY, self.on_trajectory)
+        self.subscription(channels.FEEDBACK, self.on_generator_feedback)
+        self.subscription(channels.RESULT, self.on_generator_result)
+        self.every(WATCH_PERIOD, self.watch)
+        self.publish_status()
+
+    # -- goals of clients
+
+    def on_goal(self, message: GoalInfo) -> None:
+        """Accepted unless another one is active; any id, the scenario is the configured one."""
+        goal = goal_id_of(message)
+        if self.goals.active or goal == NO_GOAL:
+            running = self.goals.active and goal_name(goal_id_of(self.goals.active.info))
+            reason = (
+                f'busy with goal {running}; allowed: one at a time'
+                if running
+                else 'the goal id is zero; allowed: any other UUID'
+            )
+            values = {'reason': reason, 'request_stamp': to_nanoseconds(message.stamp)}
+            self.publish_result(WARN, f'rejected: {reason}', goal, 'rejected', values)
+            return
+        self.goals.accept(goal_message(goal, self.get_clock().now().to_msg()))
+        self.goals.move(EXECUTING)
+        self.publish_status()
+        self.round, self.sent, self.last, self.tries = self.round + 1, None, {}, []
+        self.supervision = Supervision(self.scenario, self.parameters.max_attempts)
+        self.decide(self.supervision.begin())
+
+    def on_cancel(self, message: GoalInfo) -> None:
+        """At once while planning; while executing the hand comes to a hold first."""
+        goal, active = goal_id_of(message), self.goals.active
+        if not active or active.status == CANCELING:
+            return
+        if goal not in (NO_GOAL, goal_id_of(active.info)):
+            return
+        self.goals.move(CANCELING)
+        self.publish_status()
+        if self.sent is None:
+            self.end(CANCELED, f'canceled while {self.phase}')
+        else:
+            self.generator_cancel.publish(goal_message(self.sent[0], self.now()))
+
+    # -- what is done next
+
+    def decide(self, decision: Decision) -> None:
+        """Plan one of the scenarios, feel, or end."""
+        if decision.action == END:
+            reached = decision.outcome in (AT_GOAL, UNVERIFIED)
+            self.end(SUCCEEDED if reached else ABORTED, decision.reason)
+        elif decision.action == FEEL:
+            self.send(FEEL_GOAL, FEELING)
+        else:
+            self.waiting, self.why_no_plan = list(decision.scenarios), ''
+            self.plan_next()
+
+    def plan_next(self) -> None:
+        """Ask for a plan of the next scenario that is waiting."""
+        if not self.waiting:
+            decision = self.supervision.no_plan(self.why_no_plan)
+            self.end(ABORTED, decision.reason)
+            return
+        self.phase, self.wanted = PLANNING, ''
+        self.publish_feedback({})
+        self.configure_planner(
+            json.dumps(scenario_to_dict(self.waiting.pop(0))), then=self.ask_for_plan
+        )
+
+    def configure_planner(self, scenario: str, then: Callable[[Any], None] | None) -> None:
+        """Tell the planner its scenario, a document or what the parameter was."""
+        value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=scenario)
+        request = SetParameters.Request(parameters=[Parameter(name='scenario', value=value)])
+        if then is None:
+            self.planner_parameters.call_async(request)
+        else:
+            self.call(self.planner_parameters, request, then)
+
+    def ask_for_plan(self, answer: Any) -> None:
+        """The planner has its scenario, or says why not."""
+        told = answer.results[0]
+        if not told.successful:
+            self.why_no_plan = told.reason
+            self.plan_next()
+            return
+        self.call(self.planner, channels.PLAN_SCENARIO.type.Request(), self.on_answer)
+
+    def on_answer(self, answer: Any) -> None:
+        """Of the planner: the plan is on its way, or there is none."""
+        if not answer.success:
+            self.why_no_plan = answer.message
+            self.plan_next()
+            return
+        self.wanted = answer.message.partition('plan ')[2].partition(':')[0]
+        self.send_when_ready()
+
+    def call(self, client: Any, request: Any, then: Callable[[Any], None]) -> None:
+        """`then(response)`, unless the goal has ended meanwhile."""
+        asked = self.round
+
+        def done(future: Any) -> None:
+            if self.round == asked and self.goals.active:
+                then(future.result())
+
+        client.call_async(request).add_done_callback(done)
+
+    def on_plan(self, message: String) -> None:
+        """The planner's newest."""
+        self.plan_id = _key(message.data, 'id')
+        self.send_when_ready()
+
+    def on_trajectory(self, message: String) -> None:
+        """The generator's newest: now it takes goals of that plan."""
+        self.trajectory_of = _key(message.data, 'plan_id')
+        self.send_when_ready()
+
+    def send_when_ready(self) -> None:
+        """The generator's goal, as soon as plan and trajectory are those that were answered."""
+        ready = self.wanted and self.plan_id.startswith(self.wanted)
+        if ready and self.trajectory_of == self.plan_id and self.phase == PLANNING:
+            self.send(to_goal_id(self.plan_id), EXECUTES)
+
+    def send(self, goal: bytes, phase: str) -> None:
+        """A goal for the generator."""
+        stamp = self.now()
+        self.phase, self.sent = phase, (goal, to_nanoseconds(stamp))
+        self.generator_goal.publish(goal_message(goal, stamp))
+        self.publish_feedback({})
+
+    # -- what the generator says
+
+    def on_generator_feedback(self, message: DiagnosticStatus) -> None:
+        """Passed on."""
+        values = values_of(message)
+        if self.sent and self.goals.active and values.get('goal_id') == goal_name(self.sent[0]):
+            self.publish_feedback(values)
+
+    def on_generator_result(self, message: DiagnosticStatus) -> None:
+        """Of the goal that was sent: felt, or ended before that."""
+        values = values_of(message)
+        if not self.sent or values.get('goal_id') != goal_name(self.sent[0]):
+            return
+        if values.get('request_stamp', str(self.sent[1])) != str(self.sent[1]):
+            return  # another client's rejection
+        canceling = bool(self.goals.active and self.goals.active.status == CANCELING)
+        planned, self.sent, self.last = self.phase == EXECUTES, None, values
+        said = _claim(values)
+        self.tries.append(_told(values, planned))
+        if canceling or values.get('outcome') == 'canceled' or said is None:
+            ended_by_cancel = canceling or values.get('outcome') == 'canceled'
+            self.end(CANCELED if ended_by_cancel else ABORTED, values.get('reason', ''))
+            return
+        after = self.supervision.executed(said) if planned else self.supervision.felt(said)
+        self.supervision, decision = after
+        self.decide(decision)
+
+    def watch(self) -> None:
+        """A node that is gone answers no more."""
+        if not self.goals.active:
+            return
+        if self.phase == PLANNING and not self.planner.service_is_ready():
+            self.end(ABORTED, 'contact_state_planner is gone, or not there yet')
+        elif self.phase != PLANNING and not self.count_publishers(channels.RESULT.name):
+            self.end(ABORTED, 'trajectory_generator is gone')
+
+    # -- what is told
+
+    def end(self, status: int, reason: str) -> None:
+        """The active goal's; the planner gets back the scenario it had."""
+        goal = self.goals.move(status, reason)
+        self.round, self.phase, self.sent = self.round + 1, '', None
+        self.publish_status()
+        self.configure_planner(self.parameters.scenario, then=None)
+        felt = {k: v for k, v in self.last.items() if k.startswith(('felt', 'claimed'))}
+        values = {
+            'reason': reason,
+            **felt,
+            'attempts': self.supervision.attempts,
+            'stamp': self.last.get('stamp', ''),
+            'tries': json.dumps(self.tries),
+        }
+        name, level = NAMES[status], OK if status == SUCCEEDED else WARN
+        self.publish_result(level, f'{name}: {reason}', goal_id_of(goal.info), name, values)
+
+    def publish_result(
+        self, level: bytes, message: str, goal: bytes, outcome: str, values: dict[str, Any]
+    ) -> None:
+        """One result."""
+        told = {'goal_id': goal_name(goal), 'outcome': outcome, **values}
+        self.result.publish(status_message('reorientation', level, message, told))
+        if level == OK:
+            self.get_logger().info(message)
+        else:  # rclpy wants every line of code to keep to one severity
+            self.get_logger().warning(message)
+
+    def publish_status(self) -> None:
+        """Of every goal that is remembered."""
+        self.status.publish(goal_statuses(self.goals.entries()))
+
+    def publish_feedback(self, progress: dict[str, str]) -> None:
+        """phase and attempt, and what the generator says while it executes."""
+        assert self.goals.active is not None
+        values = {
+            'goal_id': goal_name(goal_id_of(self.goals.active.info)),
+            'phase': self.phase,
+            'attempt': self.supervision.attempts + (self.phase != FEELING),
+            'max_attempts': self.supervision.max_attempts,
+            'tries': json.dumps(self.tries),
+            **{key: progress.get(key, '') for key in ('mode', 'progress', 'time_left')},
+        }
+        name = NAMES[self.goals.active.status]
+        self.feedback.publish(status_message('reorientation', OK, name, values))
+
+    def now(self) -> Any:
+        """Stamp of this instant."""
+        return self.get_clock().now().to_msg()
+
+    def health(self) -> tuple[bytes, str, dict[str, Any]]:
+        """For /diagnostics."""
+        return OK, self.phase or 'ready', {'attempts': self.supervision.attempts}
+
+    def leave(self) -> None:
+        """Whoever waits is told, and the hand holds."""
+        if self.goals.active:
+            if self.sent:
+                self.generator_cancel.publish(goal_message(self.sent[0], self.now()))
+            self.end(ABORTED, 'the node reorientation was ended')
+
+
+def _key(document: str, key: str) -> str:
+    """Text under a key of a JSON document of whatever kind; '' of one that is damaged."""
+    try:
+        found = json.loads(document).get(key)
+    except (ValueError, AttributeError, RecursionError):
+        return ''
+    return found if isinstance(found, str) else ''
+
+
+def _claim(values: dict[str, str]) -> Claim | None:
+    """What a result of the generator claims; None of one that claims nothing."""
+    if values.get('claimed'):
+        return Claim.from_dict(values)
+    reason = values.get('reason', '')
+    return Claim(UNKNOWN, f'stopped: {reason}') if reason.startswith(TRACKING) else None
+
+
+def _told(values: dict[str, str], planned: bool) -> dict[str, Any]:
+    """An attempt, or a probe alone, in the list of a result."""
+    keys = ('goal_id', 'outcome', 'claimed', 'reason', 'felt_edge', 'felt_x', 'stamp')
+    return {'planned': planned, **{key: values.get(key, '') for key in keys}}
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    sys.exit(run_node(Reorientation))
+
+
+if __name__ == '__main__':
+    main()
