@@ -13,6 +13,8 @@ from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.simulation.factory import make_hand
+from wholearm_ros.suite import attempts as attempts_module
 from wholearm_ros.suite.attempts import run_attempts, true_rest
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
@@ -77,3 +79,56 @@ def test_a_second_attempt_goes_on_with_the_same_hand():
     assert UNKNOWN not in {motion.claim.outcome for motion in made.motions}
     alone = made.first(1)
     assert (alone.attempts, alone.outcome) == (1, ELSEWHERE) and alone.last is first
+
+
+class FaultyEncoder:
+    """A hand one of whose encoders lies: angle [rad] and time [s] → reading [rad]."""
+
+    def __init__(self, hand, side, reading):
+        self._hand, self._side, self._reading = hand, side, reading
+
+    def __getattr__(self, name):
+        return getattr(self._hand, name)
+
+    def joints(self):
+        angles, velocities = self._hand.joints()
+        angles = angles.copy()
+        angles[self._side] = self._reading(angles[self._side], self._hand.time)
+        return angles, velocities
+
+
+def noisy(angle, time, rng=np.random.default_rng(5)):
+    """Ten times the noise of level 1."""
+    return angle + 2e-3 * rng.standard_normal()
+
+
+def offset(angle, time):
+    return angle + 0.02
+
+
+def stuck(angle, time):
+    """At an angle that the fingers pass while they probe."""
+    return angle if time < 2.0 else 1.3
+
+
+@pytest.mark.parametrize('side', [0, 1])
+@pytest.mark.parametrize('reading', [noisy, offset, stuck])
+def test_an_encoder_that_lies_leads_to_no_wrong_claim(monkeypatch, reading, side):
+    def faulty_hand(*options, **more):
+        return FaultyEncoder(make_hand(*options, **more), side, reading)
+
+    monkeypatch.setattr(attempts_module, 'make_hand', faulty_hand)
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, no_plan, backend='planar')
+    edge, _ = true_rest(made.last)
+    assert made.outcome in (ELSEWHERE, UNKNOWN) and made.claim.edge in (-1, edge)
+    if reading is noisy:
+        assert made.claim.edge == edge == 0
+
+
+@pytest.mark.parametrize('side', [0, 1])
+def test_a_motor_at_70_percent_of_its_torque_still_feels(side):
+    weak = Perturbation(torque_factors=np.where(np.arange(2) == side, 0.7, 1.0))
+    made = run_attempts(SCENARIO, holding(SCENARIO), weak, no_plan, backend='planar')
+    edge, x = true_rest(made.last)
+    assert made.outcome in (ELSEWHERE, UNKNOWN) and made.claim.edge in (-1, edge)
+    assert made.outcome == UNKNOWN or made.claim.x == pytest.approx(x, abs=2e-3)
