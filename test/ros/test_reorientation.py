@@ -49,9 +49,7 @@ def test_a_goal_is_refused_canceled_in_each_phase_and_reached(graph):
     result = reached(graph)
     assert (result['outcome'], result['reason']) == ('canceled', 'canceled while planning')
 
-    states = graph.listen(channels.PLANNER_STATUS)
-    graph.wait(lambda: states and 'subgoals' in states[-1].message, 'the planner to be free')
-    graph.client.reorient()
+    graph.client.reorient()  # though the planner may be busy with the plan of the other one
     in_phase(graph, 'executing', 'quasi_static')
     first = graph.client._reorient_id
     second = graph.client.reorient()  # while busy

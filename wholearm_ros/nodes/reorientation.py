@@ -50,6 +50,7 @@ DECLARED = (
 )
 WATCH_PERIOD = 0.1  # [s]
 SET_PARAMETERS = channels.Service('contact_state_planner/set_parameters', SetParameters)
+BUSY = 'busy'  # how the planner begins its answer while it plans
 PLANNING, EXECUTES, FEELING = 'planning', 'executing', 'feeling'
 TRACKING = (
     'tracking error'  # how the mode switch begins the one reason after which the hand may go on
@@ -71,6 +72,7 @@ class Reorientation(WholeArmNode):
         self.sent: tuple[bytes, int] | None = None  # id and request stamp of the generator's goal
         self.last: dict[str, str] = {}  # the generator's last result
         self.tries: list[dict[str, Any]] = []
+        self.planner_is_busy = False
 
         self.planner = self.create_client(channels.PLAN_SCENARIO.type, channels.PLAN_SCENARIO.name)
         self.planner_parameters = self.create_client(SET_PARAMETERS.type, SET_PARAMETERS.name)
@@ -146,7 +148,7 @@ class Reorientation(WholeArmNode):
         self.phase, self.wanted = PLANNING, ''
         self.publish_feedback({})
         self.configure_planner(
-            json.dumps(scenario_to_dict(self.waiting.pop(0))), then=self.ask_for_plan
+            json.dumps(scenario_to_dict(self.waiting.pop(0))), then=self.on_configured
         )
 
     def configure_planner(self, scenario: str, then: Callable[[Any], None] | None) -> None:
@@ -158,17 +160,27 @@ class Reorientation(WholeArmNode):
         else:
             self.call(self.planner_parameters, request, then)
 
-    def ask_for_plan(self, answer: Any) -> None:
+    def on_configured(self, answer: Any) -> None:
         """The planner has its scenario, or says why not."""
         told = answer.results[0]
         if not told.successful:
             self.why_no_plan = told.reason
             self.plan_next()
             return
+        self.ask_for_plan()
+
+    def ask_for_plan(self) -> None:
+        """Of the scenario that the planner has."""
+        self.planner_is_busy = False
         self.call(self.planner, channels.PLAN_SCENARIO.type.Request(), self.on_answer)
 
     def on_answer(self, answer: Any) -> None:
         """Of the planner: the plan is on its way, or there is none."""
+        if answer.message.startswith(
+            BUSY
+        ):  # with the plan of a goal that was canceled: asked again
+            self.planner_is_busy = True
+            return
         if not answer.success:
             self.why_no_plan = answer.message
             self.plan_next()
@@ -242,6 +254,8 @@ class Reorientation(WholeArmNode):
             return
         if self.phase == PLANNING and not self.planner.service_is_ready():
             self.end(ABORTED, 'contact_state_planner is gone, or not there yet')
+        elif self.phase == PLANNING and self.planner_is_busy:
+            self.ask_for_plan()
         elif self.phase != PLANNING and not self.count_publishers(channels.RESULT.name):
             self.end(ABORTED, 'trajectory_generator is gone')
 
