@@ -13,6 +13,7 @@ NODES = [
     'velocity_controller',
     'torque_controller',
     'hand_hardware',
+    'object_observer',
     'bag_recorder',
     'bag_player',
 ]

@@ -89,6 +89,7 @@ def generate_launch_description():
         node('torque_controller', {**scenario, **loop, **rate}),
         node('trajectory_generator', {**scenario}),
         node('reorientation', {**scenario, 'max_attempts': number('attempts', int)}),
+        node('object_observer', {**scenario}),
         node(
             'contact_state_planner',
             {

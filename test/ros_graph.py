@@ -11,7 +11,7 @@ from wholearm_ros.ros.interface import channels
 WAIT = 150.0  # [s] a bound, not a measure: machines may be loaded
 LOOP = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller')
 ALL = (*LOOP, 'trajectory_generator', 'contact_state_planner')
-WHOLE = (*ALL, 'reorientation')
+WHOLE = (*ALL, 'reorientation', 'object_observer')
 PACED = ('hand_hardware', 'mode_switcher')
 
 

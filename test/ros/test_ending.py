@@ -20,6 +20,7 @@ NODES = (
     'torque_controller',
     'trajectory_generator',
     'reorientation',
+    'object_observer',
     'bag_recorder',
 )
 

@@ -108,6 +108,7 @@ def node_parameters(options: RunOptions) -> dict:
         'torque_controller': {**scenario, **loop, 'motor_rate': options.rate},
         'trajectory_generator': {**scenario},
         'reorientation': {**scenario, 'max_attempts': options.attempts},
+        'object_observer': {**scenario},
         'contact_state_planner': {
             **scenario,
             'seed': options.seed,

@@ -21,11 +21,13 @@ NEEDED = ('contact_plan', 'manipulation_trajectory', 'velocity_setpoint', 'joint
 READ = (
     *NEEDED,
     'object_pose',
+    'object_estimate',
     'mode_switcher/mode',
     'mode_switcher/progress',
     'trajectory_generator/result',
     'contact_state_planner/status',
 )
+ESTIMATE_AGE = 0.1  # [s] up to which an estimate is shown
 SETTLE = 0.5  # [s] shown after the end
 RUNNING = ('quasi_static', 'dwell', 'dynamic', 'caging')
 Messages = list[tuple[int, object]]
@@ -127,6 +129,7 @@ def _view(path, heard, plan, trajectory, began) -> RunView:
         judged,
         reason,
         _facts(path, heard, began),
+        _estimates(heard['object_estimate'], stamps),
     )
 
 
@@ -186,6 +189,21 @@ def _poses(messages: Messages, stamps: np.ndarray, scenario) -> tuple[np.ndarray
     poses[:, 2] = np.unwrap(poses[:, 2])
     poses[:, 2] += 2 * np.pi * np.round((start_rotation(scenario) - poses[0, 2]) / (2 * np.pi))
     return np.column_stack([np.interp(stamps, kept, poses[:, k]) for k in range(3)]), True
+
+
+def _estimates(messages: Messages, stamps: np.ndarray) -> np.ndarray | None:
+    """(m, 3) at `stamps`, each the newest of then, NaN where that is older than ESTIMATE_AGE.
+
+    None when there are none.
+    """
+    if not messages:
+        return None
+    rows = {_stamp(m): planar_of(m.pose.pose) for _, m in messages}
+    told = np.array(sorted(rows))
+    newest = np.searchsorted(told, stamps, side='right') - 1
+    old = (newest < 0) | (stamps - told[newest] > ESTIMATE_AGE)
+    poses = np.array([rows[stamp] for stamp in told])[newest]
+    return np.where(old[:, None], np.nan, poses)
 
 
 def _facts(path, heard, began) -> dict:

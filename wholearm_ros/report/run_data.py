@@ -28,6 +28,7 @@ def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
         'times': numbers(times, 4),
         'modes': [run.modes[k] for k in rows],
         'pose': _pose(run.poses[rows]),
+        'estimate': _pose(_estimates(run)[rows]),
         'planned_pose': _pose(planned_poses_at(trajectory, times)),
         'angles': numbers(np.degrees(run.angles[rows]), 3),
         'planned_angles': numbers(np.degrees(planned_angles), 3),
@@ -68,6 +69,11 @@ def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict
         begin += int(np.argmin(away))
         found[number] = round(float(trajectory.times[begin]), 3)
     return found
+
+
+def _estimates(run: RunView) -> np.ndarray:
+    """(m, 3), NaN where there is none."""
+    return np.full((len(run.times), 3), np.nan) if run.estimates is None else run.estimates
 
 
 def _touches(scenario, run, rows) -> list:

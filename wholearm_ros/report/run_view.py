@@ -23,7 +23,8 @@ class RunView:
     angles, velocities, efforts (m, 2) [rad, rad/s, N m], left then right; poses (m, 3) the truth
     [m, m, rad], NaN where it is not known; modes (m,) names; judged: of the end, None when the
     truth is not known; reason: why the run stopped; facts: what else is known of it, name → text,
-    in the order in which it is shown.
+    in the order in which it is shown; estimates (m, 3): the object as the observer took it to be,
+    NaN where it did not know, None where nobody listened to it.
     """
 
     times: np.ndarray
@@ -35,6 +36,7 @@ class RunView:
     judged: Outcome = None
     reason: str = ''
     facts: dict = field(default_factory=dict)
+    estimates: np.ndarray | None = None
 
     def __post_init__(self):
         for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2)):

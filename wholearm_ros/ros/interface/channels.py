@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from action_msgs.msg import GoalInfo, GoalStatusArray
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
 from nav_msgs.srv import GetPlan
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
@@ -31,6 +31,7 @@ RELIABLE, LATCHED, BEST_EFFORT = _qos(10), _qos(1, latched=True), _qos(5, reliab
 NEWEST = _qos(1)  # setpoints and commands: only the newest counts
 # How the nodes of the loop listen to joint states, setpoints and commands.
 NO_RESENDING = _qos(10, reliable=False)
+NEWEST_STATE = _qos(1, reliable=False)  # joint states for those that look at a few of them
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +79,8 @@ TORQUE_SETPOINT = Topic('torque_setpoint', JointState, NEWEST)
 JOINT_COMMANDS = Topic('joint_commands', JointState, _qos(2))  # two publishers, one joint a message
 JOINT_STATES = Topic('joint_states', JointState, RELIABLE)
 OBJECT_POSE = Topic('object_pose', PoseStamped, BEST_EFFORT)
+OBJECT_ESTIMATE = Topic('object_estimate', PoseWithCovarianceStamped, RELIABLE)
+CONTACT_STATE = Topic('object_observer/contact_state', DiagnosticStatus, RELIABLE)
 ROBOT_DESCRIPTION = Topic('robot_description', String, LATCHED)
 MARKERS = Topic('markers', MarkerArray, LATCHED)
 # /tf itself where tf2_msgs can be imported.

@@ -9,7 +9,7 @@ import numpy as np
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from geometry_msgs.msg import Pose, PoseStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
@@ -168,6 +168,23 @@ def pose_message(stamp: Time, planar: np.ndarray) -> PoseStamped:
     message = PoseStamped()
     message.header.frame_id, message.header.stamp = PALM_FRAME, stamp
     fill_pose(message.pose, planar)
+    return message
+
+
+def estimate_message(
+    stamp: int, planar: np.ndarray, deviations: np.ndarray
+) -> PoseWithCovarianceStamped:
+    """planar (3,) [m, m, rad] and its standard deviations (3,) at `stamp` [ns].
+
+    What is not planar has a variance of zero.
+    """
+    message = PoseWithCovarianceStamped()
+    message.header.frame_id = PALM_FRAME
+    set_stamp(message.header.stamp, stamp)
+    fill_pose(message.pose.pose, planar)
+    covariance = np.zeros((6, 6))
+    covariance[[0, 1, 5], [0, 1, 5]] = deviations**2
+    message.pose.covariance = covariance.ravel()
     return message
 
 

@@ -22,6 +22,7 @@ GHOSTS = 8  # poses of the plan that are drawn
 MOST_CONTACTS = 8
 OBJECT_COLOUR, PALM_COLOUR = (0.95, 0.6, 0.1, 1.0), (0.5, 0.5, 0.5, 1.0)
 CONTACT_COLOUR, GHOST_COLOUR = (0.9, 0.1, 0.1, 1.0), (0.3, 0.6, 0.9, 0.5)
+ESTIMATE_COLOUR = (0.1, 0.6, 0.3, 1.0)
 
 
 def state_markers(
@@ -50,6 +51,14 @@ def plan_markers(scenario: Scenario, trajectory: ManipulationTrajectory) -> Mark
             for k, row in enumerate(rows)
         ]
     )
+
+
+def estimate_markers(scenario: Scenario, pose: np.ndarray | None) -> MarkerArray:
+    """The object where the observer takes it to be (3,); nothing when it does not know."""
+    if pose is None:
+        return MarkerArray(markers=[_gone('estimate', 0)])
+    outline = _outline(scenario, pose)
+    return MarkerArray(markers=[_line('estimate', 0, outline, 2 * THIN, ESTIMATE_COLOUR)])
 
 
 def _outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ const shown = {k: -1, t: T[0]};
 const {world, move} = makeScene(byId('scene'), R.scene);
 const ghosts = R.scene.fingers.map(f => make(world, 'polygon', {class: 'ghost', points: points(f.outline)}));
 const ghost = make(world, 'polygon', {class: 'ghost', points: points(R.scene.object)});
+const estimate = make(world, 'polygon', {class: 'estimate', points: points(R.scene.object)});
 const normals = make(world, 'g', {class: 'normals'});
 const lerp = (list, k, u) => list[k].map((v, i) => v + u * (list[Math.min(k + 1, last)][i] - v));
 
@@ -14,6 +15,9 @@ function draw(k, u) {
   move(R.pose[k][0] === null ? null : lerp(R.pose, k, u), lerp(R.angles, k, u));
   lerp(R.planned_angles, k, u).forEach((a, i) => ghosts[i].setAttribute('transform', place(...R.scene.fingers[i].axis, a)));
   ghost.setAttribute('transform', place(...lerp(R.planned_pose, k, u)));
+  const told = R.estimate[k][0] !== null;  // an estimate holds until the next one
+  estimate.style.display = told ? '' : 'none';
+  if (told) estimate.setAttribute('transform', place(...R.estimate[k]));
   normals.replaceChildren();
   for (let i = 0; i < R.touches[k].length; i += 4) {
     const [x, y, nx, ny] = R.touches[k].slice(i, i + 4);
