@@ -1,6 +1,6 @@
 """The closed loop on ROS, every node a process: rate, latency, losses, processor time, and how fast faults are noticed.
 
-python benchmarks/ros_loop.py [--rates 1000 500] [--seconds 10] [--repeats 20]
+python benchmarks/ros_loop.py [--rates 1000 500] [--seconds 10] [--repeats 20] [--observer]
 """
 
 import argparse
@@ -19,7 +19,7 @@ from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, re
 from wholearm_ros.ros.interface.messages import to_nanoseconds, values_of
 
 LOOP = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller')
-NODES = (*LOOP, 'trajectory_generator', 'contact_state_planner')
+NODES = [*LOOP, 'trajectory_generator', 'contact_state_planner']
 OBSERVER_PRIORITY = LOOP_PRIORITY + 10  # so that the measurer's own waiting is not measured
 MOVING = 1e-3  # [rad/s] of a setpoint
 WAIT = 120.0  # [s]
@@ -311,7 +311,10 @@ def main():
     parser.add_argument('--rates', type=float, nargs='*', default=[1000.0, 500.0])
     parser.add_argument('--seconds', type=float, default=10.0)
     parser.add_argument('--repeats', type=int, default=20)
+    parser.add_argument('--observer', action='store_true', help='with the object observer')
     options = parser.parse_args()
+    if options.observer:
+        NODES.append('object_observer')
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     with tempfile.TemporaryDirectory() as scratch:
         for rate in options.rates:
