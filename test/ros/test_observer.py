@@ -17,7 +17,11 @@ def rotation(pose) -> float:
 
 def test_the_estimate_follows_the_truth_which_only_evaluation_hears(graph):
     """In lockstep; the client that judges the run is the only subscriber of the true pose."""
-    graph.start((*ALL, 'object_observer'), object_observer={'estimate_rate': 100.0}, hand_hardware={'backend': 'planar'})
+    graph.start(
+        (*ALL, 'object_observer'),
+        object_observer={'estimate_rate': 100.0},
+        hand_hardware={'backend': 'planar'},
+    )
     estimates, states = graph.listen(channels.OBJECT_ESTIMATE), graph.listen(channels.CONTACT_STATE)
     plan = graph.plan()
     assert graph.execute(plan.id)['outcome'] in ('succeeded', 'aborted')
