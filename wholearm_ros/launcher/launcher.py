@@ -1,6 +1,4 @@
-"""One run of the whole graph: separate processes, plan, goal, the object's final pose against its
-goal.
-"""
+"""One run of the whole graph: processes, plan, goal, the object's final pose against its goal."""
 
 import json
 import tempfile
@@ -8,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 
@@ -23,6 +21,7 @@ from wholearm_ros.ros.interface import channels
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.outcome import Outcome, outcome
 
+Tell = Callable[..., None]  # of a line, and of the progress
 START_WITHIN = 300.0  # [s] the first time, everything is compiled
 # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 SLACK = 60.0
@@ -34,8 +33,10 @@ LOOP_PRIORITY = 20
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What `wholearm run` was told. rate: of the motors [Hz]; record: directory of the bag, or
-    None; topics: what goes into it, all when empty; time_budget: for planning [s].
+    """What `wholearm run` was told.
+
+    rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
+    when empty; time_budget: for planning [s].
     """
 
     scenario: str
@@ -43,7 +44,7 @@ class RunOptions:
     seed: int = 0
     record: Optional[Path] = None
     storage: str = 'mcap'
-    topics: tuple = ()
+    topics: tuple[str, ...] = ()
     view: bool = False
     rate: float = 1000.0
     backend: str = DEFAULT_BACKEND
@@ -56,24 +57,27 @@ class RunOptions:
 
 @dataclass(frozen=True, eq=False)
 class RunReport:
-    """planned: whether there was a plan; message: one line about it; planner: figures of the
-    search; result: of the goal; judged: the object's pose against its goal, None when nothing was
+    """What came of a run.
+
+    planned: whether there was a plan; message: one line about it; planner: figures of the search;
+    result: of the goal; judged: the object's pose against its goal, None when nothing was
     executed; modes: seconds in each, as planned; timings [s]: of start, planning and execution;
     attempts: in order, what was felt after each trajectory, and after a probe alone (planned: False).
     """
 
     planned: bool
     message: str
-    planner: dict
-    result: dict
+    planner: dict[str, str]
+    result: dict[str, str]
     judged: Optional[Outcome]
-    modes: dict
-    timings: dict
+    modes: dict[str, float]
+    timings: dict[str, float]
     path_length: int = 0
-    attempts: tuple = ()
+    attempts: tuple[dict[str, Any], ...] = ()
 
     @property
     def success(self) -> bool:
+        """Whether the goal succeeded and the object truly rests at it."""
         return (
             self.judged is not None
             and self.judged.executed
@@ -81,11 +85,11 @@ class RunReport:
         )
 
 
-def node_parameters(options: RunOptions) -> dict:
+def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
     """Parameters by node, in the order in which the nodes are started."""
     scenario, pacing = {'scenario': options.scenario}, {'pacing': options.pacing}
     loop = {'priority': LOOP_PRIORITY} if options.pacing == 'realtime' else {}
-    nodes = {}
+    nodes: dict[str, dict[str, Any]] = {}
     if options.record:
         nodes['bag_recorder'] = {
             'path': str(options.record),
@@ -122,12 +126,14 @@ def node_parameters(options: RunOptions) -> dict:
 def run_graph(
     scenario: Scenario,
     options: RunOptions,
-    tell: Callable[..., None],
-    log_directory: Path = None,
+    tell: Tell,
+    log_directory: Optional[Path] = None,
     on_client_ready: Callable[[Client], None] = lambda client: None,
 ) -> RunReport:
-    """Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)`
-    or `tell(line, progress)`, 0 to 1.
+    """Start the graph, plan, execute, judge, stop the graph.
+
+    Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)` or
+    `tell(line, progress)`, 0 to 1.
 
     on_client_ready: is given the client before anything happens, to listen to more of the run.
     """
@@ -143,7 +149,9 @@ def run_graph(
                 client.close()
 
 
-def _plan_and_execute(client: Client, scenario, options, tell) -> RunReport:
+def _plan_and_execute(
+    client: Client, scenario: Scenario, options: RunOptions, tell: Tell
+) -> RunReport:
     clock = [time.monotonic()]
     tell('starting the nodes')
     client.wait_for_graph(START_WITHIN)
@@ -182,9 +190,10 @@ def _plan_and_execute(client: Client, scenario, options, tell) -> RunReport:
     )
 
 
-def _follow(client: Client, options: RunOptions, tell) -> float:
-    """Until the supervisor's result; the instant [s] at which the first plan was there, or none
-    could be made.
+def _follow(client: Client, options: RunOptions, tell: Tell) -> float:
+    """Until the supervisor's result.
+
+    Returns the instant [s] at which the first plan was there, or none could be made.
     """
     latest, planned_at, told = client.latest, 0.0, 0
     slowness = LOCKSTEP_SLOWNESS if options.pacing == 'lockstep' else 1.0
@@ -195,7 +204,7 @@ def _follow(client: Client, options: RunOptions, tell) -> float:
             longest = LONGEST_SILENCE * slowness + SLACK
             planned_at = planned_at or time.monotonic()
         client.wait(
-            lambda: latest.reached or latest.reorientation is not before,
+            lambda known=before: latest.reached or latest.reorientation is not known,
             longest,
             'reorientation/result',
         )
@@ -204,7 +213,7 @@ def _follow(client: Client, options: RunOptions, tell) -> float:
     return planned_at or time.monotonic()
 
 
-def _tell(latest: LatestMessages, tell, told: int) -> int:
+def _tell(latest: LatestMessages, tell: Tell, told: int) -> int:
     """Attempts that have ended since `told` of them had, and what goes on; how many have."""
     now = latest.reorientation
     ended = json.loads((latest.reached or now).get('tries') or '[]')
@@ -218,15 +227,16 @@ def _tell(latest: LatestMessages, tell, told: int) -> int:
     return len(ended)
 
 
-def attempt_line(place: int, attempt: dict) -> str:
+def attempt_line(place: int, attempt: dict[str, Any]) -> str:
     """What came of one motion of a run, for people."""
     kind = 'attempt' if attempt['planned'] else 'felt again'
     return f'{place}. {kind}: {attempt["claimed"] or attempt["outcome"]}: {attempt["reason"]}'
 
 
 def _judge(client: Client, scenario: Scenario, motions: int) -> Outcome:
-    """The object's true pose at the end against its goal, whole turns aside where there were
-    several motions.
+    """The object's true pose at the end against its goal.
+
+    Whole turns do not count where there were several motions.
     """
     reached = client.latest.reached
     times, poses = client.final_poses(int(reached.get('stamp') or 0), SLACK)
@@ -254,6 +264,6 @@ def _judge(client: Client, scenario: Scenario, motions: int) -> Outcome:
     )
 
 
-def _timings(clock) -> dict:
+def _timings(clock: list[float]) -> dict[str, float]:
     names = ('start', 'plan', 'execute')
     return {name: b - a for name, a, b in zip(names, clock, clock[1:])}

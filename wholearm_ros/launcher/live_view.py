@@ -1,8 +1,7 @@
-"""`wholearm run` in a terminal: step, progress, mode, joint angles, and the torque within its
-feasible range, as they change.
-"""
+"""`wholearm run` in a terminal: step, mode, joint angles, the torque within its feasible range."""
 
 from dataclasses import dataclass
+from typing import Optional, Union
 
 import numpy as np
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -14,10 +13,12 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from wholearm_ros.launcher.client import Client
 from wholearm_ros.model.hand import CLOSING, JOINT_NAMES, SIDES
 from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.messages import NANOSECONDS, to_nanoseconds
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
+from wholearm_ros.ros.interface.messages import to_nanoseconds
 
 RATE = 10.0  # [1/s] at which the picture is drawn anew
 BAR = 48  # characters
@@ -34,31 +35,39 @@ MODE_STYLES = {
 
 @dataclass(frozen=True)
 class Moment:
-    """What is shown of one instant: time on the trajectory's clock and duration [s], angles (2,)
-    [rad], the torque-controlled finger, its pressing torque and the feasible range (low, high) [N
-    m] or None where there is none, and the highest torque of the plan [N m].
+    """What is shown of one instant.
+
+    time: on the trajectory's clock, and duration [s]; angles: (2,) [rad]; torque_side: the
+    torque-controlled finger; torque: it presses with; torque_range: (low, high), None where there
+    is none; highest: torque of the plan [N m].
     """
 
     mode: str
     time: float
     duration: float
-    angles: tuple
+    angles: tuple[float, ...]
     torque_side: int
     torque: float
-    torque_range: tuple
+    torque_range: Optional[tuple[float, float]]
     highest: float
 
 
 def moment_of(
-    trajectory: ManipulationTrajectory, mode: str, time: float, angles, efforts
+    trajectory: ManipulationTrajectory,
+    mode: str,
+    time: float,
+    angles: np.ndarray,
+    efforts: np.ndarray,
 ) -> Moment:
-    """angles, efforts: (2,) of both joints, left then right [rad, N m]."""
+    """What is shown at `time` [s] of the trajectory's clock.
+
+    angles, efforts: (2,) of both joints, left then right [rad, N m].
+    """
     held = float(np.clip(time, 0.0, trajectory.duration))
     segment = trajectory.segment_at(held)
     side, sign = segment.torque_finger, CLOSING[segment.torque_finger]
-    at = min(
-        int(held / trajectory.period) + 1, len(trajectory.times) - 1
-    )  # a sample between two segments has no range
+    # A sample between two segments has no range.
+    at = min(int(held / trajectory.period) + 1, len(trajectory.times) - 1)
     low, high = (float(v) for v in trajectory.torque_ranges[at][:: int(sign)] * sign)
     known = segment.mode == QUASI_STATIC and low <= high
     return Moment(
@@ -85,7 +94,7 @@ def highest_torque(trajectory: ManipulationTrajectory) -> float:
     )
 
 
-def picture(step: str, moment: Moment = None) -> Panel:
+def picture(step: str, moment: Optional[Moment] = None) -> Panel:
     """The step alone while there is no run, else all of it."""
     if moment is None:
         return Panel(Text(step), title='wholearm run', title_align='left', width=BAR + 34)
@@ -116,12 +125,10 @@ def picture(step: str, moment: Moment = None) -> Panel:
 
 
 def torque_bar(moment: Moment) -> Text:
-    """The pressing torque as a mark on a line; the feasible range is shaded, the mark red outside
-    of it.
-    """
+    """The pressing torque as a mark on a line, red outside of the shaded feasible range."""
     bottom, top = -0.2 * moment.highest, 1.6 * moment.highest
 
-    def place(torque):
+    def place(torque: float) -> int:
         return int(np.clip((torque - bottom) / (top - bottom) * (BAR - 1), 0, BAR - 1))
 
     line, good = Text('·' * BAR, 'dim'), True
@@ -139,28 +146,30 @@ def torque_bar(moment: Moment) -> Text:
 
 
 class LiveView:
-    """A context that draws in a terminal. Called with each step; `on_client_ready` gives it the
-    client whose run is shown.
+    """A context that draws in a terminal, called with each step of a run.
+
+    `on_client_ready` gives it the client whose run is shown.
     """
 
     def __init__(self, console: Console) -> None:
-        self._step, self._client, self._joints = '', None, None
+        self._step = ''
+        self._client: Optional[Client] = None
+        self._joints: Optional[bytes] = None
         self._live = Live(self, console=console, refresh_per_second=RATE, transient=True)
 
-    def __enter__(self):
+    def __enter__(self) -> 'LiveView':
         self._live.start()
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self._live.stop()
 
-    def __call__(self, step: str, share: float = 0.0):
+    def __call__(self, step: str, share: float = 0.0) -> None:
+        """The run is at `step`."""
         self._step = step
 
-    def on_client_ready(self, client) -> None:
-        """Listens to the joints: raw bytes, so that a message costs next to nothing until one is
-        drawn.
-        """
+    def on_client_ready(self, client: Client) -> None:
+        """Listens to the joints: raw bytes, which cost next to nothing until they are drawn."""
         newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
         client.node.create_subscription(
             channels.JOINT_STATES.type, channels.JOINT_STATES.name, self._hear, newest, raw=True
@@ -170,13 +179,13 @@ class LiveView:
     def _hear(self, data: bytes) -> None:
         self._joints = data
 
-    def __rich__(self):
+    def __rich__(self) -> Panel:
         return picture(self._step, self._moment())
 
-    def _moment(self):
-        latest = self._client and self._client.latest
+    def _moment(self) -> Optional[Moment]:
+        latest = self._client.latest if self._client else None
         if (
-            not latest
+            latest is None
             or latest.trajectory is None
             or latest.mode in RESTING
             or self._joints is None
@@ -201,23 +210,25 @@ class PlainView:
     """The same without a terminal: each step once, as a line."""
 
     def __init__(self, console: Console) -> None:
-        self._console, self._last = console, None
+        self._console = console
+        self._last: Optional[str] = None
 
-    def __enter__(self):
+    def __enter__(self) -> 'PlainView':
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         pass
 
-    def __call__(self, step: str, share: float = 0.0):
+    def __call__(self, step: str, share: float = 0.0) -> None:
+        """The run is at `step`."""
         if step != self._last:
             self._console.print(Text(step), soft_wrap=True)
         self._last = step
 
-    def on_client_ready(self, client) -> None:
+    def on_client_ready(self, client: Client) -> None:
         """Nothing to draw, nothing to hear."""
 
 
-def view_on(console: Console):
+def view_on(console: Console) -> Union[LiveView, PlainView]:
     """What fits the console."""
     return LiveView(console) if console.is_terminal else PlainView(console)

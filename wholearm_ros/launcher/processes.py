@@ -8,8 +8,10 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from wholearm_ros.errors import WholeArmError
 
@@ -27,9 +29,10 @@ class DomainTaken(WholeArmError):
 
 
 @contextmanager
-def alone_in_domain():
-    """No second launcher on this machine may start nodes of the same names: two hands would answer
-    every setpoint.
+def alone_in_domain() -> Iterator[None]:
+    """No second launcher on this machine may start nodes of the same names.
+
+    Two hands would answer every setpoint.
 
     The name of an abstract socket is taken: it goes with the process, however that ends. Raises
     DomainTaken.
@@ -50,16 +53,17 @@ class Processes:
     """A context: what was started inside has ended after it, and its shared memory is gone."""
 
     def __init__(self, log_directory: Path) -> None:
-        self._logs, self._running = log_directory, {}
+        self._logs = log_directory
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
         self._shared_before = _shared_memory()
 
-    def __enter__(self):
+    def __enter__(self) -> 'Processes':
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
-    def start(self, node: str, parameters: dict, namespace: str = '') -> None:
+    def start(self, node: str, parameters: dict[str, Any], namespace: str = '') -> None:
         """The program of `node` with `parameters`, its output in a file of its own."""
         command = [*self.program(node), '--ros-args']
         if namespace:
@@ -78,15 +82,17 @@ class Processes:
                 preexec_fn=_die_with_parent,
             )
 
-    def program(self, node: str) -> list:
+    def program(self, node: str) -> list[str]:
         """The command that runs `node`, without arguments."""
         return [sys.executable, '-m', f'wholearm_ros.nodes.{node}']
 
     def log_of(self, node: str) -> Path:
+        """The file of the output of `node`."""
         return self._logs / f'{node}.log'
 
     def pid(self, node: str) -> int:
-        return self._running[node].pid
+        """Of a node that was started."""
+        return int(self._running[node].pid)
 
     def check(self) -> None:
         """Raises NodeDied when a process ended."""
@@ -104,9 +110,7 @@ class Processes:
                 )
 
     def stop(self) -> None:
-        """SIGINT, and SIGKILL to those that stay; the recorder last, so that it sees the others
-        off.
-        """
+        """SIGINT, and SIGKILL to those that stay; the recorder last, to record the others' end."""
         order = sorted(self._running, key=lambda node: node == 'bag_recorder')
         for group in (
             [n for n in order if n != 'bag_recorder'],
@@ -118,7 +122,7 @@ class Processes:
             _remove_if_unused(path)
 
     @staticmethod
-    def _stop(processes) -> None:
+    def _stop(processes: list[subprocess.Popen[bytes]]) -> None:
         for process in processes:
             if process.poll() is None:
                 process.send_signal(signal.SIGCONT)  # one that was stopped would not hear the next
@@ -136,7 +140,7 @@ def _die_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
 
 
-def _text(value) -> str:
+def _text(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list):
@@ -144,7 +148,7 @@ def _text(value) -> str:
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 
-def _shared_memory() -> set:
+def _shared_memory() -> set[Path]:
     return {
         p
         for pattern in ('fastrtps_*', 'sem.fastrtps_*', 'fastdds_*')
@@ -153,7 +157,7 @@ def _shared_memory() -> set:
 
 
 def _remove_if_unused(path: Path) -> None:
-    """Fast DDS locks NAME_el as long as somebody uses NAME; a process that was killed leaves both."""
+    """Fast DDS locks NAME_el as long as somebody uses NAME; a killed process leaves both."""
     lock = path if path.name.endswith('_el') else path.with_name(path.name + '_el')
     if path.name.startswith('sem.'):
         lock = path.with_name(path.name[len('sem.') :].replace('_mutex', '') + '_el')

@@ -1,21 +1,23 @@
-"""Plays a bag back: its messages on their topics, with their timing, as the bytes that were recorded."""
+"""Plays a bag back: its messages on their topics, with their timing, byte by byte."""
 
 import importlib
 import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any, Optional
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rosbags.interfaces import QosDurability, QosReliability
+from rosbags.interfaces import Connection, QosDurability, QosReliability
 from rosgraph_msgs.msg import Clock
 
 from wholearm_ros.bag.reader import Bag
 from wholearm_ros.errors import BagError
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.messages import NANOSECONDS, set_stamp
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
+from wholearm_ros.ros.interface.messages import set_stamp
 from wholearm_ros.ros.interface.parameters import Declared
-from wholearm_ros.ros.node.node import OK, WholeArmNode
+from wholearm_ros.ros.node.node import OK, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
@@ -24,7 +26,7 @@ DECLARED = (
     Declared(
         'start',
         0.0,
-        'offset into the bag at which to begin; the newest latched message of before is sent first [s]',
+        'where to begin in the bag [s]; the newest latched message of before is sent first',
         0.0,
         1e6,
     ),
@@ -32,7 +34,7 @@ DECLARED = (
     Declared(
         'clock',
         0.0,
-        'rate of /clock in the time of the bag [Hz]; 0: none (a recorded /clock is played as it is)',
+        'rate of /clock in the time of the bag [Hz]; 0: none (a recorded one is played as it is)',
         0.0,
         10000.0,
     ),
@@ -51,7 +53,7 @@ PIECE = 0.1  # [s] longest sleep, so that a signal is heard
 class BagPlayer(WholeArmNode):
     """bag → topics."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('bag_player', DECLARED)
         p, self.played, self.done, self.leaving = self.parameters, 0, False, False
         self.bag = Bag(Path(p.path)).__enter__()
@@ -67,7 +69,8 @@ class BagPlayer(WholeArmNode):
         ]
         if not self.connections:
             raise BagError(
-                f'topics: none of {ends} is in the bag; allowed: {[c.topic for c in self.bag.connections]}'
+                f'topics: none of {ends} is in the bag; '
+                f'allowed: {[c.topic for c in self.bag.connections]}'
             )
         self.outlets = {
             c.id: self.create_publisher(message_class(c.msgtype), c.topic, qos_of(c))
@@ -78,14 +81,16 @@ class BagPlayer(WholeArmNode):
         self.thread = threading.Thread(target=self.play, daemon=True)
         self.thread.start()
 
-    def play(self):
+    def play(self) -> None:
+        """Of the thread: every message at its time."""
         self.wait_for_subscribers()
         begin = self.bag.start + round(self.parameters.start * NANOSECONDS)
-        held, origin = {}, None
+        held: dict[int, bytes] = {}
+        origin: Optional[int] = None
         for connection, at, data in self.bag.raw(self.connections):
             if at < begin:
                 if connection.id in self.latched:
-                    held[connection.id] = data
+                    held[connection.id] = bytes(data)
                 continue
             if origin is None:
                 origin = time.monotonic_ns()
@@ -112,12 +117,15 @@ class BagPlayer(WholeArmNode):
             time.sleep(min(step, PIECE))
         return False
 
-    def publish_clock(self, now: int):
+    def publish_clock(self, now: int) -> None:
+        """now: time of the bag [ns]."""
+        assert self.clock is not None
         message = Clock()
         set_stamp(message.clock, now)
         self.clock.publish(message)
 
-    def wait_for_subscribers(self):
+    def wait_for_subscribers(self) -> None:
+        """Until every topic has one, at most `wait_for_subscribers`."""
         deadline = time.monotonic() + self.parameters.wait_for_subscribers
         while time.monotonic() < deadline and not self.leaving:
             if all(outlet.get_subscription_count() for outlet in self.outlets.values()):
@@ -125,40 +133,47 @@ class BagPlayer(WholeArmNode):
             time.sleep(0.01)
 
     def finished(self) -> bool:
+        """At the end of the bag, unless latched topics shall stay."""
         return self.done and not self.parameters.stay
 
-    def health(self):
+    def health(self) -> Health:
+        """How many messages were played."""
         return (
             OK,
             'done' if self.done else 'playing',
             {'path': self.parameters.path, 'messages': self.played},
         )
 
-    def leave(self):
+    def leave(self) -> None:
+        """Stops playing."""
         self.leaving = True
         self.thread.join(0.5)
 
 
 def message_class(name: str) -> type:
-    """The class of 'std_msgs/msg/String'."""
+    """The class of 'std_msgs/msg/String'. Raises BagError."""
     package, kind, message = name.split('/')
     try:
-        return getattr(importlib.import_module(f'{package}.{kind}'), message)
+        found: type = getattr(importlib.import_module(f'{package}.{kind}'), message)
     except (ImportError, AttributeError) as error:
         raise BagError(f'message type {name}: not installed here') from error
+    return found
 
 
-def is_latched(connection) -> bool:
-    return any(
-        q.durability == QosDurability.TRANSIENT_LOCAL for q in connection.ext.offered_qos_profiles
-    )
+def _offered(connection: Connection) -> list[Any]:
+    """The offered qualities of service."""
+    extension: Any = connection.ext
+    return list(extension.offered_qos_profiles)
 
 
-def qos_of(connection) -> QoSProfile:
+def is_latched(connection: Connection) -> bool:
+    """Whether late subscribers got its last message, too."""
+    return any(q.durability == QosDurability.TRANSIENT_LOCAL for q in _offered(connection))
+
+
+def qos_of(connection: Connection) -> QoSProfile:
     """As the bag says it was offered, but deep: nothing shall be lost on the way."""
-    best_effort = any(
-        q.reliability == QosReliability.BEST_EFFORT for q in connection.ext.offered_qos_profiles
-    )
+    best_effort = any(q.reliability == QosReliability.BEST_EFFORT for q in _offered(connection))
     return QoSProfile(
         depth=1 if is_latched(connection) else 1000,
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
@@ -168,7 +183,8 @@ def qos_of(connection) -> QoSProfile:
     )
 
 
-def main():
+def main() -> None:
+    """The executable."""
     sys.exit(run_node(BagPlayer))
 
 

@@ -4,6 +4,7 @@ import sys
 import time
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from rclpy.qos import QoSProfile
 from rosbags.typesys.store import Typestore
@@ -41,7 +42,7 @@ SWITCH_INTERVAL = 0.0002  # [s] for which the writing thread may keep the receiv
 
 
 class BagRecorder(WholeArmNode):
-    """Every topic of the graph → bag. A recorder that is killed loses what came after its last checkpoint."""
+    """Every topic of the graph → bag. Killed, it loses what came after its last checkpoint."""
 
     leave_within = 2.5
 
@@ -71,9 +72,11 @@ class BagRecorder(WholeArmNode):
             depth=QUEUE, reliability=topic.qos.reliability, durability=topic.qos.durability
         )
         put, clock = self.bag.put, time.time_ns
-        self.create_subscription(
-            topic.type, topic.name, lambda data: put(connection, clock(), data), qos, raw=True
-        )
+
+        def keep(data: Any) -> None:  # bytes: the subscription is raw
+            put(connection, clock(), data)
+
+        self.create_subscription(topic.type, topic.name, keep, qos, raw=True)
 
     def checkpoint(self) -> None:
         """Begun here, done by the writing thread."""
@@ -83,10 +86,12 @@ class BagRecorder(WholeArmNode):
             self.get_logger().error(self.bag.problem)
 
     def leave(self) -> None:
+        """Closes the bag."""
         self.bag.close()
         self.get_logger().info(f'{self.bag.recorded} messages in {self.bag.path}')
 
     def health(self) -> Health:
+        """Warns of lost messages, and of a bag that had to end."""
         bag = self.bag
         values = {
             'path': bag.path,
@@ -110,6 +115,7 @@ def _chosen(names: list[str]) -> list[channels.Topic]:
 
 
 def main() -> None:
+    """The executable."""
     sys.exit(run_node(BagRecorder))
 
 

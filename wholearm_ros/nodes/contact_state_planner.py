@@ -1,34 +1,39 @@
-"""Plans routes of contact states: the scenario as configured, or between two poses of its object."""
+"""Plans routes of contact states: of the scenario as configured, or between two object poses."""
 
 import sys
 import threading
 import traceback
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any, Optional
 
 import numpy as np
+from nav_msgs.srv import GetPlan
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.mechanics.contacts import close_finger
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import LEFT, RIGHT
-from wholearm_ros.model.scenario import GoalAtPose, StartAtPose
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import GoalAtPose, Scenario, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 from wholearm_ros.planner.planner import plan_and_verify
-from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.planner.warm import warm
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
+from wholearm_ros.ros.interface.joint_state_serialization import MessageError
 from wholearm_ros.ros.interface.messages import (
-    MessageError,
     pose_message,
     status_message,
     to_planar,
 )
 from wholearm_ros.ros.interface.parameters import Declared
-from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.node import OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
@@ -72,16 +77,19 @@ DECLARED = (
         read_only=False,
     ),
 )
-TOLERANCE = np.array(
-    [0.01, 0.005, 0.03]
-)  # [m, m, rad] of the goal pose of a `plan` request without one
+# [m, m, rad] of the goal pose of a `plan` request without one.
+TOLERANCE = np.array([0.01, 0.005, 0.03])
+Answer = tuple[bool, str, Optional[ContactPlan]]  # found, one line, the plan
 BUSY = 'busy with another plan; allowed: one at a time'
 
 
 class ContactStatePlanner(WholeArmNode):
-    """plan, plan_scenario → contact_plan, status. Plans in a thread of its own, so that the node always answers."""
+    """plan, plan_scenario → contact_plan, status.
 
-    def __init__(self):
+    Plans in a thread of its own, so that the node always answers.
+    """
+
+    def __init__(self) -> None:
         super().__init__('contact_state_planner', DECLARED)
         scenario_of(self.parameters)  # refused now rather than at the first request
         self.busy, self.planned = False, 0
@@ -96,13 +104,19 @@ class ContactStatePlanner(WholeArmNode):
         self.service(channels.PLAN_SCENARIO, self.on_plan_scenario)
         self.publish_status(OK, 'ready')
 
-    async def on_plan_scenario(self, _, response):
+    async def on_plan_scenario(
+        self, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        """The scenario as configured."""
         response.success, response.message, _ = await self.answer(
             lambda: scenario_of(self.parameters)
         )
         return response
 
-    async def on_plan(self, request, response):
+    async def on_plan(
+        self, request: GetPlan.Request, response: GetPlan.Response
+    ) -> GetPlan.Response:
+        """Between two poses of the object; no poses when there is no plan."""
         _, _, plan = await self.answer(lambda: self.between(request))
         stamp = self.get_clock().now().to_msg()
         response.plan.header.frame_id, response.plan.header.stamp = channels.PALM_FRAME, stamp
@@ -110,8 +124,11 @@ class ContactStatePlanner(WholeArmNode):
             response.plan.poses = [pose_message(stamp, pose) for pose in plan.object_path()]
         return response
 
-    def between(self, request):
-        """The configured scenario with the request's start and goal pose; raises ScenarioError or MessageError."""
+    def between(self, request: GetPlan.Request) -> Scenario:
+        """The configured scenario with the request's start and goal pose.
+
+        Raises ScenarioError or MessageError.
+        """
         scenario = scenario_of(self.parameters)
         start, goal = to_planar(request.start, 'start'), to_planar(request.goal, 'goal')
         if not np.isfinite(request.tolerance) or request.tolerance < 0:
@@ -120,13 +137,13 @@ class ContactStatePlanner(WholeArmNode):
         tolerance = TOLERANCE.copy()
         tolerance[:2] = request.tolerance or tolerance[:2]
         world = build_world(scenario)
-        fingers = [close_finger(world, start, side) for side in (LEFT, RIGHT)]
+        fingers = np.array([close_finger(world, start, side) for side in (LEFT, RIGHT)])
         asked = replace(
             scenario, start=StartAtPose(start, fingers), goal=GoalAtPose(goal, tolerance)
         )
         return parse_scenario(scenario_to_dict(asked), 'plan request')
 
-    async def answer(self, make_scenario):
+    async def answer(self, make_scenario: Callable[[], Scenario]) -> Answer:
         """(found, one line, plan or None); the plan is published when there is one."""
         if self.busy:
             return False, BUSY, None
@@ -151,19 +168,22 @@ class ContactStatePlanner(WholeArmNode):
             self.busy = False
         return self.publish(result)
 
-    def plan(self, scenario, request, done):
-        """Of the thread: `done` becomes an Offer or an exception."""
+    def plan(self, scenario: Scenario, request: PlanRequest, done: Future) -> None:
+        """Of the thread: `done` becomes a PlanResult or an exception."""
         try:
             done.set_result(plan_and_verify(scenario, request))
         except Exception as error:
             done.set_result(error)
-        self.executor.wake()  # it looks at who awaits only when something else happens
+        executor: Any = self.executor
+        executor.wake()  # it looks at who awaits only when something else happens
 
-    def no_plan(self, reason: str):
+    def no_plan(self, reason: str) -> Answer:
+        """Said on the status, too."""
         self.publish_status(WARN, reason)
         return False, reason, None
 
-    def publish(self, result):
+    def publish(self, result: PlanResult) -> Answer:
+        """The plan, when there is one, and the figures of the search."""
         plan, found = result.plan, result.trajectory is not None
         self.planned += found
         if found:
@@ -183,6 +203,7 @@ class ContactStatePlanner(WholeArmNode):
         return found, plan.summary(), plan if found else None
 
     def request(self) -> PlanRequest:
+        """As the parameters say."""
         p = self.parameters
         return PlanRequest(
             search=p.search,
@@ -192,18 +213,22 @@ class ContactStatePlanner(WholeArmNode):
             min_success=p.min_success,
         )
 
-    def publish_status(self, level, message, values=None):
+    def publish_status(
+        self, level: bytes, message: str, values: Optional[dict[str, Any]] = None
+    ) -> None:
+        """On the status and in the log."""
         self.status.publish(status_message(self.get_fully_qualified_name(), level, message, values))
         if level == OK:
             self.get_logger().info(message)
         else:  # rclpy wants every line of code to keep to one severity
             self.get_logger().warning(message)
 
-    def health(self):
+    def health(self) -> Health:
+        """Whether it plans, and how many plans there were."""
         return OK, 'planning' if self.busy else 'ready', {'plans': self.planned}
 
 
-def _certificate_values(plan) -> dict:
+def _certificate_values(plan: ContactPlan) -> dict[str, Any]:
     """For the status: how surely the plan succeeds."""
     if plan.certificate is None:
         return {}
@@ -211,7 +236,8 @@ def _certificate_values(plan) -> dict:
     return {f'certificate {name.replace("_", " ")}': value for name, value in values.items()}
 
 
-def main():
+def main() -> None:
+    """The executable."""
     # EventsExecutor takes no coroutine as a service callback; this node has no fast topic.
     sys.exit(run_node(ContactStatePlanner, make_executor=SingleThreadedExecutor))
 

@@ -1,12 +1,14 @@
-"""The hand's stand-in as a node: joint states out, joint commands in, in real time or in lockstep. Replace it by yours."""
+"""The stand-in of the hand as a node, in real time or in lockstep. Replace it by yours."""
 
 import sys
 import threading
 import time
+from typing import Optional
 
 import numpy as np
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
 from wholearm_ros.control.command_watchdog import BRAKE, LIMP, STOPPED, CommandWatchdog
 from wholearm_ros.control.periodic_timer import PeriodicTimer
@@ -16,8 +18,8 @@ from wholearm_ros.model.hand import SIDES
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import PACING, SCENARIO, scenario_of
 from wholearm_ros.ros.interface.frames import Frames
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, JointReading
 from wholearm_ros.ros.interface.messages import (
-    NANOSECONDS,
     fill_pose,
     joint_states_bytes,
     pose_message,
@@ -26,7 +28,7 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.loop_meter import LoopMeter
-from wholearm_ros.ros.node.node import ERROR, OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.node import ERROR, OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import state_markers
 from wholearm_ros.ros.visualization.robot_description import urdf
@@ -56,9 +58,8 @@ DECLARED = (
     ),
 )
 FIRST_STAMP = NANOSECONDS  # of simulated time: zero means "no time yet" in ROS
-SWITCH_INTERVAL = (
-    0.0002  # [s] for which another thread of this process may keep the motors' thread waiting
-)
+# [s] for which another thread of this process may keep the motors' thread waiting.
+SWITCH_INTERVAL = 0.0002
 REPEAT_PERIOD = 0.05  # [s] between two sendings of one state while lockstep waits
 MOTORS_END_WITHIN = 0.5  # [s]; a few periods, unless the machine does not run them
 SHOW_PERIOD = 0.1  # [s] between two sendings of markers and transforms
@@ -67,7 +68,7 @@ SHOW_PERIOD = 0.1  # [s] between two sendings of markers and transforms
 class HandHardware(WholeArmNode):
     """joint_commands → physics → joint_states; object_pose is the truth, for evaluation only."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('hand_hardware', DECLARED)
         p, self.scenario = self.parameters, scenario_of(self.parameters)
         self.lockstep = p.pacing == 'lockstep'
@@ -88,7 +89,8 @@ class HandHardware(WholeArmNode):
         self.now = FIRST_STAMP if self.lockstep else self.get_clock().now().nanoseconds
         self.guard.reset(self.now)
         self.answered = time.monotonic()
-        self.lock, self.leaving, self.motors = threading.Lock(), False, None
+        self.lock, self.leaving = threading.Lock(), False
+        self.motors: Optional[threading.Thread] = None
 
         self.joint_states = self.publisher(channels.JOINT_STATES)
         self.object_pose = self.publisher(channels.OBJECT_POSE)
@@ -111,7 +113,8 @@ class HandHardware(WholeArmNode):
             self.motors = threading.Thread(target=self.run_on_the_wall_clock, daemon=True)
             self.motors.start()
 
-    def on_command(self, message):
+    def on_command(self, message: JointReading) -> None:
+        """In lockstep the second command of a stamp lets time go on."""
         stamp, joint, effort = to_command(message)
         with self.lock:
             taken = self.guard.command(joint, stamp, effort, self.now)
@@ -121,7 +124,7 @@ class HandHardware(WholeArmNode):
                 self.answered = time.monotonic()
                 self.advance(self.now + self.period, self.guard.decide(self.now))
 
-    def advance(self, now: int, efforts):
+    def advance(self, now: int, efforts: Optional[np.ndarray]) -> None:
         """One period of physics, which ends at `now` [ns]."""
         if efforts is not None:
             self.meter.acts(min(self.guard.newest))
@@ -133,8 +136,9 @@ class HandHardware(WholeArmNode):
             self.told_state = self.guard.state
             self.report()
 
-    def publish_state(self, with_pose: bool):
-        if self.lockstep:
+    def publish_state(self, with_pose: bool) -> None:
+        """The joints' state now, and where the object truly is."""
+        if self.clock is not None:
             set_stamp(self.clock_message.clock, self.now)
             self.clock.publish(self.clock_message)
         self.meter.sent(self.now)
@@ -146,13 +150,13 @@ class HandHardware(WholeArmNode):
             fill_pose(self.pose_message.pose, self.hand.object_pose())
             self.object_pose.publish(self.pose_message)
 
-    def repeat(self):
-        """Lockstep: time stands still until both commands of this stamp are here; the state is sent again meanwhile."""
+    def repeat(self) -> None:
+        """Lockstep: the state again, while the commands of its stamp are not here."""
         with self.lock:
             if time.monotonic() - self.answered > REPEAT_PERIOD / 2:
                 self.publish_state(True)
 
-    def show(self):
+    def show(self) -> None:
         """For RViz and Foxglove, at the pace of people."""
         with self.lock:
             now, pose, contacts = self.now, self.hand.object_pose(), self.hand.contacts()
@@ -160,37 +164,37 @@ class HandHardware(WholeArmNode):
         self.frames.publish(now, pose, angles)
         self.markers.publish(state_markers(self.scenario, pose, contacts))
 
-    def run_on_the_wall_clock(self):
+    def run_on_the_wall_clock(self) -> None:
         """Stamps advance by one period a step."""
         while not self.leaving:
             self.pace.wait()
             with self.lock:
                 self.advance(self.now + self.period, self.guard.decide(self.now))
 
-    def on_reset(self, _, response):
+    def on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Object and fingers to the start."""
         with self.lock:
             self.hand.reset(self.start)
             self.now += self.period
             self.guard.reset(self.now)
             self.answered = time.monotonic()
             self.publish_state(True)
-        response.success, response.message = (
-            True,
-            'object and fingers are back at the start, the drives hold',
-        )
+        response.success = True
+        response.message = 'object and fingers are back at the start, the drives hold'
         return response
 
-    def on_stop(self, _, response):
+    def on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Past every other node: from the motors' next period on."""
         with self.lock:
             self.guard.stop()
-        response.success, response.message = (
-            True,
-            'the drives hold both fingers and take no command until hand_hardware/reset',
+        response.success = True
+        response.message = (
+            'the drives hold both fingers and take no command until hand_hardware/reset'
         )
         return response
 
-    def health(self):
+    def health(self) -> Health:
+        """State of the drives, figures of the loop; an error where they wait for a reset."""
         guard, waiting = self.guard, time.monotonic() - self.answered
         values = {
             'state': guard.state,
@@ -220,8 +224,8 @@ class HandHardware(WholeArmNode):
             return WARN, f'waiting {waiting:.0f} s for the commands of one step', values
         return OK, guard.state, values
 
-    def leave(self):
-        """Zero torque. The motors' thread ends first: it must not step a hand that is disconnected."""
+    def leave(self) -> None:
+        """Zero torque. The motors' thread ends first: the hand is disconnected after that."""
         self.leaving = True
         if self.motors:
             self.motors.join(MOTORS_END_WITHIN)
@@ -230,7 +234,8 @@ class HandHardware(WholeArmNode):
             self.hand.disconnect()
 
 
-def main():
+def main() -> None:
+    """The executable."""
     sys.exit(run_node(HandHardware))
 
 

@@ -4,6 +4,7 @@ import math
 import sys
 
 from wholearm_ros.control.open_loop_torque import torque_effort
+from wholearm_ros.control.setpoints import Joints, TorqueSetpoint
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, SLEW_LIMIT, scenario_of
 from wholearm_ros.ros.interface.messages import to_torque_setpoint
@@ -17,9 +18,12 @@ MOTOR_RATE = Declared(
 
 
 class TorqueController(ControllerNode):
-    """torque_setpoint, joint_states → joint_commands; the effort before is the one the drives report."""
+    """torque_setpoint, joint_states → joint_commands.
 
-    def __init__(self):
+    The effort from which the rate of change is limited is the one that the drives report.
+    """
+
+    def __init__(self) -> None:
         super().__init__(
             'torque_controller',
             (SCENARIO, SLEW_LIMIT, MOTOR_RATE),
@@ -28,7 +32,8 @@ class TorqueController(ControllerNode):
         )
         self.hand = scenario_of(self.parameters).hand
 
-    def effort(self, setpoint, joints):
+    def effort(self, setpoint: TorqueSetpoint, joints: Joints) -> float:
+        """[N m] of the joint `setpoint.joint`."""
         j = setpoint.joint
         before = joints.efforts[j] if math.isfinite(joints.efforts[j]) else 0.0
         return torque_effort(
@@ -40,7 +45,8 @@ class TorqueController(ControllerNode):
         )
 
 
-def main():
+def main() -> None:
+    """The executable."""
     sys.exit(run_node(TorqueController))
 
 
