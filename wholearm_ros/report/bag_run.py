@@ -1,6 +1,7 @@
 """The last run in a bag (MCAP or sqlite3), read without ROS."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.model.orientation import start_rotation
 from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.report.run_view import RunView
 from wholearm_ros.simulation.closed_loop import RunRecord
@@ -63,7 +65,7 @@ def _messages(path: Path) -> dict[str, Messages]:
         return bag.timed_messages(READ)
 
 
-def _began(heard) -> tuple[int, float]:
+def _began(heard: dict[str, Messages]) -> tuple[int, float]:
     """(log time [ns], stamp [s]) of the last run's first setpoint."""
     modes = [(when, message.data) for when, message in heard['mode_switcher/mode']]
     begins = [
@@ -78,14 +80,21 @@ def _began(heard) -> tuple[int, float]:
     return setpoints[first][0], _stamp(setpoints[first][1])
 
 
-def _view(path, heard, plan, trajectory, began) -> RunView:
+def _view(
+    path: Path,
+    heard: dict[str, Messages],
+    plan: ContactPlan,
+    trajectory: ManipulationTrajectory,
+    began: tuple[int, float],
+) -> RunView:
     result = _result(heard, began[1])
     over = float(result.get('stamp', 0) or 0) / 1e9 or _stamp(heard['velocity_setpoint'][-1][1])
     joints = _joints(heard['joint_states'])
     joints = joints[(joints[:, 0] >= began[1]) & (joints[:, 0] <= over + SETTLE)]
     if len(joints) < 2:
         raise BagError(
-            f'{path}: no joint_states of the run; allowed: a bag recorded from planning to the end of a run'
+            f'{path}: no joint_states of the run; '
+            'allowed: a bag recorded from planning to the end of a run'
         )
     start = _trajectory_start(heard, began[1], over)
     stamps, times = joints[:, 0], joints[:, 0] - start
@@ -133,7 +142,7 @@ def _view(path, heard, plan, trajectory, began) -> RunView:
     )
 
 
-def _trajectory_start(heard, began: float, over: float) -> float:
+def _trajectory_start(heard: dict[str, Messages], began: float, over: float) -> float:
     """The stamp [s] at which the trajectory's time is zero, as the mode switcher says; in bags of
     before it said so, a ramp of the default length after the first setpoint.
     """
@@ -145,7 +154,9 @@ def _trajectory_start(heard, began: float, over: float) -> float:
     return began + ControlOptions().ramp
 
 
-def _modes(trajectory, times, stopped, over) -> tuple:
+def _modes(
+    trajectory: ManipulationTrajectory, times: np.ndarray, stopped: str, over: float
+) -> tuple:
     """The switch follows the trajectory's clock, so its modes follow from the time; a stop is told
     in the result.
     """
@@ -158,7 +169,7 @@ def _modes(trajectory, times, stopped, over) -> tuple:
     return tuple(str(name) for name in names)
 
 
-def _result(heard, began: float) -> dict:
+def _result(heard: dict[str, Messages], began: float) -> dict[str, Any]:
     for _, message in reversed(heard['trajectory_generator/result']):
         values = values_of(message)
         if float(values.get('stamp', 0) or 0) / 1e9 >= began:
@@ -177,7 +188,7 @@ def _joints(messages: Messages) -> np.ndarray:
     return np.array([rows[stamp] for stamp in sorted(rows)])
 
 
-def _poses(messages: Messages, stamps: np.ndarray, scenario) -> tuple[np.ndarray, bool]:
+def _poses(messages: Messages, stamps: np.ndarray, scenario: Scenario) -> tuple[np.ndarray, bool]:
     """(m, 3) at `stamps`, the rotation continuous from the scenario's start; and whether there are
     any.
     """
@@ -206,7 +217,7 @@ def _estimates(messages: Messages, stamps: np.ndarray) -> np.ndarray | None:
     return np.where(old[:, None], np.nan, poses)
 
 
-def _facts(path, heard, began) -> dict:
+def _facts(path: Path, heard: dict[str, Messages], began: tuple[int, float]) -> dict[str, Any]:
     facts = {'source': f'bag {Path(path).name}'}
     for _, message in heard['contact_state_planner/status'][::-1]:
         values = values_of(message)
@@ -225,6 +236,6 @@ def _facts(path, heard, began) -> dict:
     return {**facts, 'modes as published': ', '.join(said)}
 
 
-def _stamp(message) -> float:
+def _stamp(message: Any) -> float:
     """[s]"""
     return stamp_of(message) / NANOSECONDS

@@ -2,10 +2,13 @@
 degrees.
 """
 
+from typing import Any
+
 import numpy as np
 
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.report.figures.mode_spans import executed_spans, planned_spans
 from wholearm_ros.report.figures.outlines import touching
@@ -17,7 +20,7 @@ from wholearm_ros.report.run_view import RunView, controlled, planned_poses_at, 
 RATE = 100.0  # [1/s]
 
 
-def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> dict:
+def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> dict[str, Any]:
     """Of one run; NaN becomes null."""
     every = max(1, round(1.0 / (RATE * float(np.median(np.diff(run.times))))))
     rows = np.arange(0, len(run.times), every)
@@ -57,7 +60,7 @@ def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
     }
 
 
-def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict:
+def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict[str, Any]:
     """Number → time [s] at which the planned trajectory comes nearest to each subgoal of the route,
     in their order.
     """
@@ -76,7 +79,7 @@ def _estimates(run: RunView) -> np.ndarray:
     return np.full((len(run.times), 3), np.nan) if run.estimates is None else run.estimates
 
 
-def _touches(scenario, run, rows) -> list:
+def _touches(scenario: Scenario, run: RunView, rows: np.ndarray) -> list:
     """A row an instant: x, y, normal x, normal y of each contact, one after the other [mm, mm, 1,
     1].
     """
@@ -87,5 +90,5 @@ def _touches(scenario, run, rows) -> list:
     return result
 
 
-def _pose(poses) -> list:
+def _pose(poses: np.ndarray) -> list:
     return numbers(poses * [1e3, 1e3, 180.0 / np.pi], 3)

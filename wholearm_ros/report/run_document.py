@@ -53,7 +53,8 @@ def read_run_document(text: str) -> tuple[ContactPlan, ManipulationTrajectory, R
         columns = [np.array(d['run'][name], dtype=float) for name in ARRAYS]
         if len({len(column) for column in columns} | {len(d['modes'])}) != 1 or len(d['modes']) < 2:
             raise DocumentError(
-                'run document: its arrays differ in length; allowed: one row a period in each, two at least'
+                'run document: its arrays differ in length; '
+                'allowed: one row a period in each, two at least'
             )
         record = RunRecord(
             *columns,

@@ -1,6 +1,7 @@
-"""A run as figures and reports need it, wherever it came from: a simulation without ROS, or a bag."""
+"""A run as figures and reports need it, wherever it came from: a simulation, or a bag."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -38,15 +39,15 @@ class RunView:
     facts: dict = field(default_factory=dict)
     estimates: np.ndarray | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2)):
             object.__setattr__(self, name, readonly(getattr(self, name), (-1, width)))
 
-    def pose_at(self, times) -> np.ndarray:
+    def pose_at(self, times: np.ndarray) -> np.ndarray:
         """(k, 3) the object at `times` [s], held beyond both ends."""
         return np.column_stack([np.interp(times, self.times, self.poses[:, k]) for k in range(3)])
 
-    def angles_at(self, times) -> np.ndarray:
+    def angles_at(self, times: np.ndarray) -> np.ndarray:
         """(k, 2) joint angles at `times` [s]."""
         return np.column_stack([np.interp(times, self.times, self.angles[:, k]) for k in range(2)])
 
@@ -141,8 +142,8 @@ def setpoints_at(trajectory: ManipulationTrajectory, times: np.ndarray) -> tuple
     )
 
 
-def errors(trajectory: ManipulationTrajectory, run: RunView) -> dict:
-    """name → (value, unit) of what is told of a run's accuracy; only of the time of the trajectory."""
+def errors(trajectory: ManipulationTrajectory, run: RunView) -> dict[str, Any]:
+    """name → (value, unit) of a run's accuracy, over the time of the trajectory."""
     shown = (run.times >= 0.0) & (run.times <= trajectory.duration)
     if not shown.any():
         return {}

@@ -1,4 +1,4 @@
-"""What a report can be made from: a bag or its run's directory, documents of runs, plans, suites."""
+"""What a report can be made from: a bag, a run's directory, documents of runs, plans, suites."""
 
 import json
 from pathlib import Path

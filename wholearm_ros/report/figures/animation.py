@@ -1,11 +1,14 @@
 """The run as an animated GIF, drawn with Pillow."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.report.figures.outlines import hand_outlines, object_outline, view_box
 from wholearm_ros.report.figures.palette import (
@@ -52,7 +55,7 @@ def draw_frames(
     scale = FINE * WIDTH / (box[1] - box[0])
     size = FINE * WIDTH, int(scale * (box[3] - box[2])) // (2 * FINE) * (2 * FINE) + FINE * BAND
 
-    def put(points):
+    def put(points: np.ndarray) -> Any:
         return [(scale * (x - box[0]), size[1] - scale * (y - box[2])) for x, y in points]
 
     places = np.searchsorted(run.times, times, side='right') - 1
@@ -62,7 +65,16 @@ def draw_frames(
     ]
 
 
-def _frame(size, put, scenario, trajectory, t, pose, angles, mode):
+def _frame(
+    size: tuple[int, int],
+    put: Callable[[Any], Any],
+    scenario: Scenario,
+    trajectory: ManipulationTrajectory,
+    t: float,
+    pose: np.ndarray,
+    angles: np.ndarray,
+    mode: str,
+) -> Image.Image:
     image = Image.new('RGB', size, 'white')
     pen = ImageDraw.Draw(image)
     at = int(np.clip(round(t / trajectory.period), 0, len(trajectory.angles) - 1))

@@ -2,13 +2,14 @@
 
 import io
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 
-def new_figure(width: float, height: float, **options) -> Figure:
+def new_figure(width: float, height: float, **options: Any) -> Figure:
     """width, height [inch]"""
     figure = Figure(figsize=(width, height), **options)
     FigureCanvasAgg(figure)

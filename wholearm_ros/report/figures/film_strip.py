@@ -1,10 +1,12 @@
 """Figure 8: the run at its changes of mode, planned as outlines against executed, filled."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.report.figures.canvas import new_figure
 from wholearm_ros.report.figures.mode_spans import key_instants
@@ -72,7 +74,14 @@ def draw_film(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunVie
     return figure
 
 
-def _frame(axes, scenario, trajectory, t, pose, angles) -> None:
+def _frame(
+    axes: Axes,
+    scenario: Scenario,
+    trajectory: ManipulationTrajectory,
+    t: float,
+    pose: np.ndarray,
+    angles: np.ndarray,
+) -> None:
     at = min(int(round(t / trajectory.period)), len(trajectory.angles) - 1)
     q = np.concatenate([trajectory.poses[at], trajectory.angles[at]])
     points, normals = touching(scenario, np.concatenate([pose, angles]))

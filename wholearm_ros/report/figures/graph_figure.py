@@ -1,11 +1,16 @@
 """Figure 6: the contact-state transition graph."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
-from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.plan import ContactPlan, Subgoal
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.report.figures.canvas import new_figure
 from wholearm_ros.report.figures.graph_layout import GraphLayout, lay_out
 from wholearm_ros.report.figures.outlines import contact_marks, hand_outlines, object_outline
@@ -23,6 +28,7 @@ HEADER = 0.2  # [inch] above it, for its number and direction
 GAP_X, GAP_Y = 0.36, 0.16
 NORMAL = 0.024  # [m] length at which a contact normal is drawn
 MARGIN = np.array([0.045, 0.02])  # [m] seen around the object
+Box = tuple[float, float, float, float]  # left, right, bottom, top [m]
 ROTATION = {1: '↺', -1: '↻', 0: ''}
 
 
@@ -50,7 +56,7 @@ def draw_graph(plan: ContactPlan, layout: GraphLayout = None) -> Figure:
     return figure
 
 
-def _cell(plan, layout):
+def _cell(plan: ContactPlan, layout: GraphLayout) -> tuple[float, Box]:
     """(height / width of a cell, what is seen in it: (left, right, bottom, top) [m]): the object's
     reach and a margin.
     """
@@ -60,7 +66,9 @@ def _cell(plan, layout):
     return (top - bottom) / (right - left), (left, right, bottom, top)
 
 
-def _edges(axes, layout, places, tall) -> None:
+def _edges(
+    axes: Axes, layout: GraphLayout, places: dict[int, tuple[float, float]], tall: float
+) -> None:
     """Right-angled lines; those that start from different subgoals of a column turn at different
     places.
     """
@@ -73,7 +81,7 @@ def _edges(axes, layout, places, tall) -> None:
     axes.add_collection(LineCollection(thick, colors=PLANNED, linewidths=3.2, zorder=2))
 
 
-def _lanes(layout) -> dict:
+def _lanes(layout: GraphLayout) -> dict[str, Any]:
     """Share of the gap behind a column at which the lines of each subgoal in it turn, the lowest
     subgoal's first.
     """
@@ -87,7 +95,15 @@ def _lanes(layout) -> dict:
     }
 
 
-def _subgoal(axes, plan, subgoal, layout, place, aspect, box) -> None:
+def _subgoal(
+    axes: Axes,
+    plan: ContactPlan,
+    subgoal: Subgoal,
+    layout: GraphLayout,
+    place: tuple[float, float],
+    aspect: float,
+    box: Box,
+) -> None:
     x, y = place
     on_route = subgoal.number in layout.route
     frame = FancyBboxPatch(
@@ -104,7 +120,7 @@ def _subgoal(axes, plan, subgoal, layout, place, aspect, box) -> None:
     axes.add_patch(frame)
     scale = CELL / (box[1] - box[0])
 
-    def put(points):
+    def put(points: np.ndarray) -> Any:
         points = np.asarray(points)
         return np.column_stack(
             [x + (points[:, 0] - box[0]) * scale, y + HEADER + (box[3] - points[:, 1]) * scale]
@@ -145,7 +161,7 @@ def _subgoal(axes, plan, subgoal, layout, place, aspect, box) -> None:
         )
 
 
-def _drawing(scenario, subgoal, put):
+def _drawing(scenario: Scenario, subgoal: Subgoal, put: Callable[[Any], Any]) -> list[Any]:
     q = subgoal.configuration
     points, normals = contact_marks(scenario, q, subgoal.contacts)
     ends = np.stack([points, points + NORMAL * normals], axis=1).reshape(-1, 2)
@@ -171,7 +187,7 @@ def _drawing(scenario, subgoal, put):
     ]
 
 
-def _caption(plan, layout) -> str:
+def _caption(plan: ContactPlan, layout: GraphLayout) -> str:
     finger = 'direction of the velocity-controlled finger: ↺ counter-clockwise, ↻ clockwise'
     left_out = len(plan.subgoals) - len(layout.cells) - layout.merged
     parts = [

@@ -3,7 +3,9 @@ along the top row.
 """
 
 from collections import Counter, deque
+from collections.abc import Collection
 from dataclasses import dataclass
+from typing import Optional
 
 from wholearm_ros.model.plan import X_END, ContactPlan, Y
 
@@ -25,10 +27,12 @@ class GraphLayout:
 
     @property
     def columns(self) -> int:
+        """How many there are."""
         return 1 + max((c for c, _ in self.cells.values()), default=0)
 
     @property
     def rows(self) -> int:
+        """How many there are."""
         return 1 + max((r for _, r in self.cells.values()), default=0)
 
 
@@ -50,7 +54,7 @@ def lay_out(plan: ContactPlan, limit: int = LIMIT) -> GraphLayout:
     return GraphLayout(cells, edges, route, dict(hidden), len(plan.subgoals) - len(shown))
 
 
-def _drawn(plan, parents) -> set:
+def _drawn(plan: ContactPlan, parents: dict[int, Optional[int]]) -> set:
     kinds = {s.number: s.kind for s in plan.subgoals}
     followed = {p for p in parents.values() if p is not None}
     before_y = {
@@ -61,14 +65,16 @@ def _drawn(plan, parents) -> set:
     }
 
 
-def _nearest(parents, number, shown):
+def _nearest(
+    parents: dict[int, Optional[int]], number: Optional[int], shown: Collection[int]
+) -> Optional[int]:
     """The first of `number` and its ancestors that is shown, or None."""
     while number is not None and number not in shown:
         number = parents[number]
     return number
 
 
-def _children(parents) -> dict[int, list[int]]:
+def _children(parents: dict[int, Optional[int]]) -> dict[int, list[int]]:
     children = {None: []}
     for number in sorted(parents):
         children.setdefault(number, [])
@@ -76,7 +82,12 @@ def _children(parents) -> dict[int, list[int]]:
     return children
 
 
-def _nearest_to_route(up, children, route, limit) -> set:
+def _nearest_to_route(
+    up: dict[int, Optional[int]],
+    children: dict[Optional[int], list[int]],
+    route: Collection[int],
+    limit: int,
+) -> set:
     kept, queue = set(), deque(route or children[None][:1])
     while queue and (len(kept) < limit or queue[0] in route):
         number = queue.popleft()
@@ -88,10 +99,12 @@ def _nearest_to_route(up, children, route, limit) -> set:
     return kept
 
 
-def _place(children, route) -> dict[int, tuple[int, int]]:
+def _place(
+    children: dict[Optional[int], list[int]], route: Collection[int]
+) -> dict[int, tuple[int, int]]:
     cells, free = {}, Counter()
 
-    def place(number, column, row):
+    def place(number: Optional[int], column: int, row: int) -> int:
         row = max(row, free[column])
         free[column] = row + 1
         cells[number] = (column, row)

@@ -18,6 +18,7 @@ def executed_spans(run: RunView) -> list[Span]:
 
 
 def planned_spans(trajectory: ManipulationTrajectory) -> list[Span]:
+    """(start, end [s], mode) of the trajectory."""
     return merged((s.start, s.end, s.mode) for s in trajectory.segments)
 
 

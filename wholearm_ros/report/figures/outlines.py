@@ -70,7 +70,7 @@ def touching(scenario: Scenario, configuration: np.ndarray) -> tuple[np.ndarray,
 
 
 def _inside(outline: np.ndarray, point: np.ndarray) -> bool:
-    """Whether a point lies in a counter-clockwise outline (n, 2), TOUCH beyond its edges included."""
+    """Whether a point lies in a counter-clockwise outline (n, 2), TOUCH beyond its edges too."""
     edges, away = np.roll(outline, -1, axis=0) - outline, point - outline
     heights = (edges[:, 1] * away[:, 0] - edges[:, 0] * away[:, 1]) / np.linalg.norm(edges, axis=1)
     return bool(heights.max() <= TOUCH)

@@ -1,4 +1,4 @@
-"""What a search reached: the start, every place where it has had the object, and what stopped it."""
+"""What a search reached: the start, every place where it had the object, and what stopped it."""
 
 import textwrap
 from collections.abc import Sequence

@@ -3,6 +3,7 @@ the other finger.
 """
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -52,7 +53,13 @@ def draw_times(trajectory: ManipulationTrajectory, run: RunView, title: str = ''
     return figure
 
 
-def _bands(axes, trajectory, run, both, span) -> None:
+def _bands(
+    axes: Axes,
+    trajectory: ManipulationTrajectory,
+    run: RunView,
+    both: Controlled,
+    span: tuple[float, float],
+) -> None:
     """Three rows: the mode planned, the mode executed, the finger that is torque-controlled."""
     fingers = merged(
         (a, b, int(s))
@@ -84,7 +91,7 @@ def _bands(axes, trajectory, run, both, span) -> None:
         side.set_visible(False)
 
 
-def _torque(axes, run: RunView, both: Controlled) -> None:
+def _torque(axes: Axes, run: RunView, both: Controlled) -> None:
     low, high = both.torque_range.T
     if np.isfinite(high).any():
         axes.fill_between(
@@ -143,7 +150,7 @@ def torque_window(both: Controlled) -> tuple:
     return bottom - 0.1 * span, max(highest, top) + 0.1 * span, ''
 
 
-def _angle(angle, error, run: RunView, both: Controlled) -> None:
+def _angle(angle: Axes, error: Axes, run: RunView, both: Controlled) -> None:
     jump = np.flatnonzero(np.diff(both.torque_side))
     planned, executed = np.degrees(both.planned_angle), np.degrees(both.angle)
     wrong = 1e3 * both.angle_error

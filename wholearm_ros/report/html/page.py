@@ -37,6 +37,7 @@ def _document(title: str, body: str, scripts: str) -> str:
 
 
 def asset(name: str) -> str:
+    """The text of a file in assets/."""
     return (ASSETS / name).read_text()
 
 
@@ -44,18 +45,20 @@ def table(head: list, rows: list, kind: str = '') -> str:
     """Cells are text; what begins with a '<' kept as it is must come through `raw`."""
     top = ''.join(f'<th>{cell(c)}</th>' for c in head)
     lines = ''.join('<tr>' + ''.join(f'<td>{cell(c)}</td>' for c in row) + '</tr>' for row in rows)
-    return f'<div class="scroll"><table class="{kind}"><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table></div>'
+    head_and_body = f'<thead><tr>{top}</tr></thead><tbody>{lines}</tbody>'
+    return f'<div class="scroll"><table class="{kind}">{head_and_body}</table></div>'
 
 
 class raw(str):
     """HTML that is already escaped."""
 
 
-def cell(value) -> str:
+def cell(value: Any) -> str:
+    """Escaped, unless it is `raw`."""
     return str(value) if isinstance(value, raw) else escape(str(value))
 
 
-def facts(pairs: dict) -> str:
+def facts(pairs: dict[str, Any]) -> str:
     """A list of names and values."""
     return (
         '<dl>'

@@ -37,7 +37,7 @@ def run_page(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
     return page(f'{name}: whole-arm manipulation', body, run_data(plan, trajectory, run), 'run.js')
 
 
-def _verdict(run) -> str:
+def _verdict(run: RunView) -> str:
     if run.judged is None:
         return '<p class="verdict unknown">the truth about the object is not in this recording</p>'
     if run.judged.executed:
@@ -45,7 +45,7 @@ def _verdict(run) -> str:
     return f'<p class="verdict bad">not at the goal: {escape(run.judged.reason)}</p>'
 
 
-def _summary(plan, trajectory, run) -> str:
+def _summary(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> str:
     seconds = ', '.join(
         f'{MODE_NAMES[mode]} {value:.2f} s'
         for mode, value in trajectory.time_in_modes().items()
@@ -54,13 +54,14 @@ def _summary(plan, trajectory, run) -> str:
     told = f'{trajectory.duration:.2f} s along {len(plan.path)} subgoals: {seconds}.'
     if run.judged is not None:
         told += (
-            f' At the end {run.judged.angle_error:+.4f} rad from the goal and {abs(1e3 * run.judged.gap):.2f} mm '
+            f' At the end {run.judged.angle_error:+.4f} rad from the goal '
+            f'and {abs(1e3 * run.judged.gap):.2f} mm '
             f'{"above" if run.judged.gap > 0 else "into"} the palm.'
         )
     return escape(told)
 
 
-def _modes(trajectory) -> str:
+def _modes(trajectory: ManipulationTrajectory) -> str:
     rows = []
     for s in trajectory.segments:
         chip = raw(
@@ -85,7 +86,7 @@ def _modes(trajectory) -> str:
     )
 
 
-def _transitions(trajectory) -> str:
+def _transitions(trajectory: ManipulationTrajectory) -> str:
     rows = []
     for t in trajectory.transitions:
         ranges = [
@@ -115,7 +116,7 @@ def _transitions(trajectory) -> str:
     )
 
 
-def _errors(trajectory, run) -> str:
+def _errors(trajectory: ManipulationTrajectory, run: RunView) -> str:
     return table(
         ['error', 'value', 'unit'],
         [[name, f'{value:.3g}', unit] for name, (value, unit) in errors(trajectory, run).items()],
@@ -123,7 +124,7 @@ def _errors(trajectory, run) -> str:
     )
 
 
-def _facts(plan, trajectory, run) -> str:
+def _facts(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> str:
     verified = trajectory.verification or {}
     told = {
         **run.facts,
@@ -134,7 +135,8 @@ def _facts(plan, trajectory, run) -> str:
     }
     if verified:
         told['verified'] = (
-            f'{verified.get("survived")} of {verified.get("copies")} simulated copies reach the goal'
+            f'{verified.get("survived")} of {verified.get("copies")} '
+            'simulated samples reach the goal'
         )
     if plan.certificate:
         told['certificate'] = str(plan.certificate)
@@ -146,5 +148,5 @@ def _facts(plan, trajectory, run) -> str:
     return facts(told)
 
 
-def _scenario(plan) -> str:
+def _scenario(plan: ContactPlan) -> str:
     return escape(json.dumps(scenario_to_dict(plan.scenario), indent=1))

@@ -2,13 +2,15 @@
 be seen of the plane.
 """
 
+from typing import Any
+
 import numpy as np
 
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.report.figures.outlines import view_box
 
 
-def scene(scenario: Scenario, poses: np.ndarray, angles: np.ndarray) -> dict:
+def scene(scenario: Scenario, poses: np.ndarray, angles: np.ndarray) -> dict[str, Any]:
     """Fingers along +x from their axes, the object about its centroid; the box holds poses (m, 3)
     and angles (m, 2).
     """
@@ -32,10 +34,10 @@ def scene(scenario: Scenario, poses: np.ndarray, angles: np.ndarray) -> dict:
     }
 
 
-def numbers(values, digits: int):
+def numbers(values: Any, digits: int) -> Any:
     """As lists for JSON, rounded; NaN becomes null."""
 
-    def shown(value):
+    def shown(value: Any) -> Any:
         if isinstance(value, list):
             return [shown(v) for v in value]
         return None if value != value else value

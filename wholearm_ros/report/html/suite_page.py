@@ -1,6 +1,7 @@
-"""The report of a suite: a grid of tasks, what became of each, times, success against perturbation."""
+"""The report of a suite: what became of each task, times, success against perturbation."""
 
 from html import escape
+from typing import Any
 
 import numpy as np
 
@@ -52,7 +53,7 @@ def success_interval(done: int, runs: int) -> tuple:
     return middle - half, middle + half
 
 
-def _kind(task: dict) -> str:
+def _kind(task: dict[str, Any]) -> str:
     if 'error' in task:
         return 'error'
     if not task['planned']:
@@ -62,7 +63,7 @@ def _kind(task: dict) -> str:
     return 'partly' if any(d['executed'] for d in task['draws']) else 'failed'
 
 
-def _task(task: dict) -> dict:
+def _task(task: dict[str, Any]) -> dict[str, Any]:
     kept = {
         name: task.get(name)
         for name in (
@@ -82,7 +83,7 @@ def _task(task: dict) -> dict:
     return {**kept, 'kind': _kind(task), 'run': _run(task)}
 
 
-def _run(task: dict) -> dict:
+def _run(task: dict[str, Any]) -> dict[str, Any]:
     """What the page needs to show the first run; None when there was none, or a result of before
     this was kept.
     """
@@ -99,7 +100,7 @@ def _run(task: dict) -> dict:
     }
 
 
-def _level(document: dict) -> dict:
+def _level(document: dict[str, Any]) -> dict[str, Any]:
     summary = document['summary']
     done, runs = summary['executed_runs'], summary['runs']
     low, high = success_interval(done, runs)
@@ -115,7 +116,7 @@ def _level(document: dict) -> dict:
     }
 
 
-def _summary(document: dict) -> str:
+def _summary(document: dict[str, Any]) -> str:
     s = document['summary']
     sound = (
         'nothing was planned'
@@ -123,11 +124,12 @@ def _summary(document: dict) -> str:
         else f'{s["executed_runs"]} of {s["runs"]} runs of planned tasks reach the goal'
     )
     return escape(
-        f'{s["tasks"]} tasks: {s["planned"]} planned, {s["executed"]} executed; {sound}; {s["errors"]} errors.'
+        f'{s["tasks"]} tasks: {s["planned"]} planned, {s["executed"]} executed; {sound}; '
+        f'{s["errors"]} errors.'
     )
 
 
-def _jury(summary: dict | None) -> str:
+def _jury(summary: dict[str, Any] | None) -> str:
     """Engines against each other, when there were several; empty else."""
     if not summary:
         return ''
