@@ -62,7 +62,8 @@ class RunReport:
     planned: whether there was a plan; message: one line about it; planner: figures of the search;
     result: of the goal; judged: the object's pose against its goal, None when nothing was
     executed; modes: seconds in each, as planned; timings [s]: of start, planning and execution;
-    attempts: in order, what was felt after each trajectory, and after a probe alone (planned: False).
+    attempts: in order, what was felt after each trajectory, and after a probe alone (planned:
+    False).
     """
 
     planned: bool

@@ -58,7 +58,7 @@ TRACKING = (
 
 
 class Reorientation(WholeArmNode):
-    """goal, cancel → status, feedback, result; asks the planner and sends the generator its goals."""
+    """goal, cancel → status, feedback, result; asks the planner, sends goals to the generator."""
 
     def __init__(self) -> None:
         super().__init__('reorientation', DECLARED)

@@ -1,6 +1,7 @@
 """Every topic and service of the graph: name (relative to /wholearm), type, quality of service."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from action_msgs.msg import GoalInfo, GoalStatusArray
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -48,7 +49,7 @@ class Service:
     """A service."""
 
     name: str
-    type: type
+    type: Any  # its class, which holds those of request and response
 
 
 PLAN = Service('contact_state_planner/plan', GetPlan)
