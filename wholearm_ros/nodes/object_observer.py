@@ -1,4 +1,4 @@
-"""Tells from the finger angles where the object is, and in which contact state; never hears the truth."""
+"""Tells from the finger angles where the object is, and its contact state; hears no truth."""
 
 import sys
 
@@ -13,9 +13,8 @@ from wholearm_ros.estimation.observer import Estimate, Observer
 from wholearm_ros.model.trajectory import MODES, ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
-from wholearm_ros.ros.interface.joint_state_serialization import read_joints
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, read_joints
 from wholearm_ros.ros.interface.messages import (
-    NANOSECONDS,
     estimate_message,
     status_message,
     to_joints,
@@ -63,9 +62,11 @@ class ObjectObserver(WholeArmNode):
         self.newest = message
 
     def on_trajectory(self, message: String) -> None:
+        """The trajectory that is followed from its start on."""
         self.trajectory = ManipulationTrajectory.from_json(message.data)
 
     def on_progress(self, message: DiagnosticStatus) -> None:
+        """Of the mode switcher: when the trajectory's time is zero."""
         self.progress = values_of(message)
 
     def guarded_estimate(self) -> None:
@@ -97,7 +98,7 @@ class ObjectObserver(WholeArmNode):
             self.markers.publish(estimate_markers(self.scenario, pose))
 
     def explain(self, stamp: int, angles: np.ndarray) -> Estimate:
-        """By the plan while it is followed, by the edges it may lie on at rest and while probing."""
+        """By the plan while it is followed, by the edges of rest at the end and while probing."""
         trajectory, start = self.trajectory, self.progress.get('trajectory start')
         follows = (
             trajectory is not None
@@ -110,10 +111,12 @@ class ObjectObserver(WholeArmNode):
         return self.observer.following(trajectory, (stamp - int(start or 0)) / NANOSECONDS, angles)
 
     def health(self) -> Health:
+        """How many estimates there were."""
         return OK, self.said, {'estimates': self.estimates, 'stamp': self.stamp}
 
 
 def main() -> None:
+    """The executable."""
     sys.exit(run_node(ObjectObserver))
 
 
