@@ -75,6 +75,7 @@ class TrajectoryGenerator(WholeArmNode):
         super().__init__('trajectory_generator', DECLARED)
         self.goals, self.trajectory, self.plan_id = Goals(), None, None
         self.executed = self.published = None  # trajectory of the last goal; id of the newest one
+        self.early = None  # a goal to feel, and since when it waits [s]
         self.kept = False  # whether the last run of a plan kept to it
         self.progress, self.progress_at, self.last_stamp = {}, 0.0, 0  # of the switcher; [s]; [ns]
         self.scenario, self.claimed = scenario_of(self.parameters), None
@@ -125,7 +126,10 @@ class TrajectoryGenerator(WholeArmNode):
                 f'busy with goal {goal_name(goal_id_of(self.goals.active.info))}; allowed: one at a time',
             )
         elif goal == FEEL_GOAL and not self.progress.get('angles'):
-            self.reject(message, 'the mode switcher has not told where the fingers are')
+            self.early = (
+                message,
+                time.monotonic(),
+            )  # until the mode switcher says where the fingers are
         else:
             self.executed = self.hold() if goal == FEEL_GOAL else self.trajectory
             if self.published != goal or goal == FEEL_GOAL:
@@ -172,6 +176,9 @@ class TrajectoryGenerator(WholeArmNode):
     def on_progress(self, message):
         """Of the mode switcher, ten times a second and at every change of its mode."""
         self.progress, self.progress_at = values_of(message), time.monotonic()
+        if self.early and self.progress.get('angles'):
+            early, self.early = self.early[0], None
+            self.on_goal(early)
         active = self.goals.active
         if not active:
             return
@@ -195,6 +202,9 @@ class TrajectoryGenerator(WholeArmNode):
         )
 
     def watch(self):
+        if self.early and time.monotonic() - self.early[1] > PATIENCE_IN_LOCKSTEP:
+            early, self.early = self.early[0], None
+            self.reject(early, 'the mode switcher has not told where the fingers are')
         active = self.goals.active
         if not active:
             return
