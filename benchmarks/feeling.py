@@ -15,6 +15,7 @@ import argparse
 import json
 import sys
 import time
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -50,7 +51,7 @@ def measure(task: SuiteEntry, levels: list, draws: int, options: SuiteOptions) -
         if found.trajectory is None:
             return {**told, 'reason': f'{found.plan.outcome}: {found.plan.reason}'}
         for level in levels:
-            asked = SuiteOptions(**{**vars(options), 'perturb': level})
+            asked = replace(options, perturb=level)
             for draw in range(draws if level else 1):
                 made = execute(scenario, found.trajectory, asked, draw, task.name)
                 run = described(scenario, made.attempts, options.attempts)
@@ -176,7 +177,7 @@ def main() -> None:
     parser.add_argument('--jobs', type=int, default=1)
     parser.add_argument('--seed', type=int, default=0)
     parser.add_argument('--backend', default='pybullet')
-    parser.add_argument('--time-budget', type=float, default=SuiteOptions.time_budget)
+    parser.add_argument('--time-budget', type=float, default=PlanRequest.time_budget)
     options = parser.parse_args()
     asked = {k: v for k, v in vars(options).items() if k not in ('json', 'jobs', 'suites', 'tasks')}
     done = before(options.json, asked)
