@@ -25,6 +25,8 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.transport import choose_transport
 
+AFTER_THE_END = 2.0  # [s] in which a pose after the end of a run is waited for
+
 
 class GraphError(WholeArmError):
     """The graph did not answer."""
@@ -171,13 +173,19 @@ class Client:
         self._cancel.publish(goal_message(NO_GOAL, self.node.get_clock().now().to_msg()))
 
     def final_poses(self, stamp: int, seconds: float):
-        """(m,) [s] and (m, 3): the object's poses up to the first one at or after `stamp` [ns]."""
-        self.wait(
-            lambda: self.latest.poses and max(self.latest.poses) >= stamp, seconds, 'object_pose'
-        )
-        stamps = sorted(self.latest.poses)
-        stamps = stamps[: 1 + next(k for k, s in enumerate(stamps) if s >= stamp)]
-        return np.array(stamps) / NANOSECONDS, np.array([self.latest.poses[s] for s in stamps])
+        """(m,) [s] and (m, 3): the object's poses up to the first one after `stamp` [ns], or at it.
+
+        The one after it is waited for a little: in lockstep, where time stands still after a run, it
+        is always the same one, while one at `stamp` comes only if the hardware had to wait there.
+        """
+        poses, until = self.latest.poses, time.monotonic() + AFTER_THE_END
+        self.wait(lambda: poses and max(poses) >= stamp, seconds, 'object_pose')
+        while max(poses) <= stamp and time.monotonic() < until:
+            self.executor.spin_once(timeout_sec=0.05)
+        stamps = sorted(poses)
+        last = next((s for s in stamps if s > stamp), stamps[-1])
+        stamps = [s for s in stamps if s <= last]
+        return np.array(stamps) / NANOSECONDS, np.array([poses[s] for s in stamps])
 
     def _on_plan(self, message):
         self.latest.plan = ContactPlan.from_json(message.data)
