@@ -24,10 +24,10 @@ class Motors:
     """Yours go here. These are simulated, with the object between the fingers."""
 
     def __init__(self, scenario):
-        self.hand, self.start = (
-            wa.make_hand('planar', scenario, rate=RATE),
-            wa.start_configuration(scenario),
-        )
+        self.hand = wa.make_hand('planar', scenario, rate=RATE)
+        self.start = wa.start_configuration(scenario)
+        self.hand.reset(self.start)
+        self.hand.step(None)  # what must be compiled is compiled now, while nobody waits
 
     def reset(self):
         """The object lies at its start, the fingers are closed on it."""
