@@ -7,32 +7,26 @@ import pytest
 from problems import ASYMMETRIC, HEPTAGON, REGULAR, worlds
 
 from wholearm_ros.kernels import geometry, time_stepping
-from wholearm_ros.kernels.lcp import lcp_residual, solve_lcp
+from wholearm_ros.kernels.lcp import lcp_residual, new_lcp, solve_lcp
 from wholearm_ros.mechanics.contacts import gap_table, start_configuration
 from wholearm_ros.mechanics.world import build_world
 
 H = 0.001  # [s]
 
 
-def work_of(world):
-    return time_stepping.new_workspace(world)
+def work_of(world, friction=0.0):
+    return time_stepping.new_workspace(world, friction, H)
 
 
 def one_step(world, q, v, efforts=(0.0, 0.0), friction=0.0, load=None, moment=None, work=None):
     """(q, v, closed, residual) after one step; q and v are copied."""
     q, v = q.copy(), v.copy()
-    closed, residual = time_stepping.step(
-        world._replace(
-            load=world.load if load is None else load,
-            finger_moment=world.finger_moment if moment is None else moment,
-        ),
-        friction,
-        np.asarray(efforts, float),
-        H,
-        q,
-        v,
-        work or work_of(world),
+    loaded = world._replace(
+        load=world.load if load is None else load,
+        finger_moment=world.finger_moment if moment is None else moment,
     )
+    work = work or work_of(world, friction)
+    closed, residual = time_stepping.step(loaded, work, np.asarray(efforts, float), q, v)
     return q, v, closed, residual
 
 
@@ -72,6 +66,15 @@ def enumerated(a, b):
 
 
 # ---------------------------------------------------------------------- the complementarity problem
+def lcp_of(r, b, guess=None):
+    """The problem 0 ≤ z ⟂ r rᵀ z + b ≥ 0 with r (k, up to 5)."""
+    lcp = new_lcp(len(b))
+    lcp.rows[:, : r.shape[1]], lcp.b[:] = r, b
+    if guess is not None:
+        lcp.guess[:] = guess
+    return lcp
+
+
 @pytest.mark.parametrize('rank', [2, 3, 5])
 def test_complementarity_problems_are_solved_to_1e_9(rank):
     """z ≥ 0 ⟂ a z + b ≥ 0 on positive semidefinite a = r rᵀ of any rank, b = r c + d with d ≥ 0 (so that there is a solution)."""
@@ -80,10 +83,9 @@ def test_complementarity_problems_are_solved_to_1e_9(rank):
         k = int(rng.integers(1, 9))
         r = rng.normal(size=(k, rank))
         a, b = r @ r.T, r @ rng.normal(size=rank) + rng.uniform(0.0, 0.2, k) * (rng.random(k) < 0.5)
-        z = np.empty(k)
-        guess = rng.random(k) < 0.4
-        assert solve_lcp(r, r, b, guess, z, k) <= 1e-9
-        w = a @ z + b
+        lcp = lcp_of(r, b, rng.random(k) < 0.4)
+        assert solve_lcp(lcp, k) <= 1e-9
+        z, w = lcp.z, a @ lcp.z + b
         assert z.min() >= -1e-9 and w.min() >= -1e-9 and abs(z @ w) < 1e-8
 
 
@@ -92,16 +94,16 @@ def test_the_solution_is_the_one_that_trying_all_active_sets_finds():
     for _ in range(60):
         k = int(rng.integers(1, 6))
         r = rng.normal(size=(k, 5))
-        a, b, z = r @ r.T, r @ rng.normal(size=5), np.empty(k)
-        solve_lcp(r, r, b, np.zeros(k, np.bool_), z, k)
-        np.testing.assert_allclose(a @ z + b, enumerated(a, b), atol=1e-8)
+        a, lcp = r @ r.T, lcp_of(r, r @ rng.normal(size=5))
+        solve_lcp(lcp, k)
+        np.testing.assert_allclose(a @ lcp.z + lcp.b, enumerated(a, lcp.b), atol=1e-8)
 
 
 def test_the_residual_sees_a_wrong_answer():
-    a, b = np.eye(2), np.array([-1.0, 1.0])
-    assert lcp_residual(a, a, b, np.array([1.0, 0.0])) == 0.0
-    assert lcp_residual(a, a, b, np.array([0.5, 0.0])) == pytest.approx(0.5)
-    assert lcp_residual(a, a, b, np.array([1.0, -0.2])) == pytest.approx(0.2)
+    lcp = lcp_of(np.eye(2), [-1.0, 1.0])
+    for z, residual in (((1.0, 0.0), 0.0), ((0.5, 0.0), 0.5), ((1.0, -0.2), 0.2)):
+        lcp.z[:] = z
+        assert lcp_residual(lcp, 2) == pytest.approx(residual)
 
 
 # ---------------------------------------------------------------------- one step
@@ -239,10 +241,10 @@ def on_a_slope(scenario, seconds, friction, speed=0.0, tilt=TILT):
     q[3:], v[0] = ASIDE, speed
     weight = world.load[1]
     load = np.array([-weight * np.sin(tilt), weight * np.cos(tilt), 0.0, 0.0, 0.0])
-    work, speeds = work_of(world), []
+    work, speeds = work_of(world, friction), []
     for _ in range(int(seconds / H)):
         efforts = world.finger_moment * np.cos(q[3:])
-        q, v, _, residual = one_step(world, q, v, efforts, friction, load, work=work)
+        q, v, _, residual = one_step(world, q, v, efforts, load=load, work=work)
         assert residual <= 1e-9
         speeds.append(v)
     return np.array(speeds)
@@ -288,8 +290,7 @@ def test_a_finger_that_comes_to_its_end_stop_stays_there(side, end):
         q, v, _, residual = one_step(world, q, v, efforts, work=work)
         assert residual <= 1e-9 and sign * (q[3 + side] - stop) < 1e-12
     assert q[3 + side] == pytest.approx(stop, abs=1e-12) and abs(v[3 + side]) < 1e-12
-    bearing = time_stepping.stops_bearing(work)
-    assert bearing[side, end] and bearing.sum() == 1
+    assert work.stops_met[side, end] and work.stops_met.sum() == 1
 
 
 # ---------------------------------------------------------------------- the loop that steps

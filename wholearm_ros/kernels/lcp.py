@@ -1,60 +1,93 @@
-"""Linear complementarity problems 0 ≤ z ⟂ A z + b ≥ 0 with A = N P Nᵀ symmetric and positive semidefinite.
+"""Linear complementarity problems 0 ≤ z ⟂ R Rᵀ z + b ≥ 0.
 
-Such a problem is a projection: with w = A z + b = N v + c, the velocity v⁺ = v + P Nᵀ z is nearest to v (in the metric P⁻¹) of
-all that satisfy N v⁺ + c ≥ 0. It is solved by the dual active-set method of Goldfarb and Idnani (1983) for strictly convex
-quadratic programmes, which needs no care of dependent rows: an object that lies on an edge between two fingers, stuck by
-friction everywhere, has many more rows than coordinates.
+Such a problem is a projection: x = Rᵀ z is the shortest of all vectors for which R x + b ≥ 0. It is solved by the dual
+active-set method of Goldfarb and Idnani (1983) for strictly convex quadratic programmes, which needs no care of dependent
+rows: an object that lies on an edge between two fingers, stuck by friction everywhere, has many more rows than coordinates.
+The rows of the active set are kept orthogonalised (Gram–Schmidt), R_active = L U with L unit lower triangular.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from wholearm_ros.kernels import inlined, kernel
-from wholearm_ros.kernels.linear import solve_leading
+from wholearm_ros.model.configuration import SIZE
 
-SINGULAR = 1e-10  # smallest over largest pivot of an active set that is worth trying
 DEPENDENT = 1e-10  # of a row's own square: less is left of a row that depends on the active ones
+CLEAN = 1e-6  # of a row's own square: where less is left of it, it is orthogonalised again
 TOLERANCE = 1e-12  # of a violated row, relative to the largest |b|, absolute below 1
 MOST_ROUNDS = 100
 
 
-@kernel
-def solve_lcp(rows, pushes, b, guess, z, k):
-    """Fill z (k,) ≥ 0 ⟂ A z + b ≥ 0 with A = rows pushesᵀ (k, k), pushes = rows P.
+class Lcp(NamedTuple):
+    """A problem, its solution, and the active set: for up to n rows, of which the first k are used.
 
-    rows, pushes: (≥ k, d); b, z: (≥ k,); guess: (≥ k,) bool, the active set from which to begin (that of the last step).
-    Where no z does (the rows ask for what cannot be) the row in question stays violated.
-    Returns the residual max |min(z, A z + b)|.
+    rows: (n, 5) = R; b, z: (n,); guess: (n,) bool, the active set from which to begin; x: (5,) = Rᵀ z.
+    lost: (n,) bool, rows that no z satisfies. Of the active set: members: (6,) rows; basis: (6, 5) = U and triangle: (6, 6) = L,
+    in their order; squares: (6,) of the rows of U; weights: (6,), a right-hand side and its solution.
     """
-    d = rows.shape[1]
-    active, change = np.empty(d + 1, np.int64), np.zeros(d)
-    system, answer = np.empty((d, d)), np.empty((d, 1))
+
+    rows: np.ndarray
+    b: np.ndarray
+    z: np.ndarray
+    guess: np.ndarray
+    x: np.ndarray
+    lost: np.ndarray
+    members: np.ndarray
+    basis: np.ndarray
+    triangle: np.ndarray
+    squares: np.ndarray
+    weights: np.ndarray
+
+
+@kernel
+def new_lcp(n):
+    """Room for a problem of up to n rows; nothing is guessed."""
+    return Lcp(
+        np.zeros((n, SIZE)),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n, np.bool_),
+        np.zeros(SIZE),
+        np.zeros(n, np.bool_),
+        np.zeros(SIZE + 1, np.int64),
+        np.zeros((SIZE + 1, SIZE)),
+        np.zeros((SIZE + 1, SIZE + 1)),
+        np.zeros(SIZE + 1),
+        np.zeros(SIZE + 1),
+    )
+
+
+@kernel
+def solve_lcp(lcp, k):
+    """Fill z (k,) and x (5,) from the first k rows, b and guess.
+
+    Where no z does (the rows ask for what cannot be) the row in question stays violated.
+    Returns the residual max |min(z, R x + b)|.
+    """
+    z, lost, tolerance = lcp.z, lcp.lost, TOLERANCE
     for i in range(k):
-        z[i] = 0.0
-    m = _begin(rows, pushes, b, guess, z, k, active, system, answer)
-    for a in range(m):
-        for c in range(d):
-            change[c] += pushes[active[a], c] * z[active[a]]
-    lost, tolerance = np.zeros(k, np.bool_), TOLERANCE  # lost: rows that no z satisfies
-    for i in range(k):
-        tolerance = max(tolerance, TOLERANCE * abs(b[i]))
-    residual = np.inf
+        z[i], lost[i] = 0.0, False
+        tolerance = max(tolerance, TOLERANCE * abs(lcp.b[i]))
+    m, residual = _begin(lcp, k), np.inf
     for _ in range(MOST_ROUNDS):
-        p, worst, residual = _look(rows, b, change, z, lost)
+        p, worst, residual = _most_violated(lcp, k)
         if worst >= -tolerance:
             break
-        m, met = _raise(rows, pushes, p, -worst, z, active, m, system, answer, change)
-        lost[p] = not met
+        m, satisfied = _raise(lcp, p, -worst, m)
+        lost[p] = not satisfied
     return residual
 
 
 @inlined
-def _look(rows, b, change, z, lost):
-    """(the row, of those not lost, of which w = rows change + b is least, its w, max |min(z, w)| over all)."""
+def _most_violated(lcp, k):
+    """(the row, of those not lost, of which w = R x + b is least, its w, max |min(z, w)| over all)."""
+    rows, b, z, x, lost = lcp.rows, lcp.b, lcp.z, lcp.x, lcp.lost
     p, least, residual = -1, np.inf, 0.0
-    for i in range(lost.shape[0]):
+    for i in range(k):
         w = b[i]
-        for c in range(rows.shape[1]):
-            w += rows[i, c] * change[c]
+        for c in range(SIZE):
+            w += rows[i, c] * x[c]
         residual = max(residual, abs(min(z[i], w)))
         if w < least and not lost[i]:
             p, least = i, w
@@ -62,99 +95,138 @@ def _look(rows, b, change, z, lost):
 
 
 @inlined
-def _begin(rows, pushes, b, guess, z, k, active, system, answer):
-    """Of the guessed active set what pushes: w = 0 and z ≥ 0 on it. Nothing, when it is singular. Returns its size."""
-    m, d = 0, rows.shape[1]
+def _begin(lcp, k):
+    """x, z of the guessed active set, without what depends on the rest of it or would have to pull. Returns its size."""
+    m, weights = 0, lcp.weights
     for i in range(k):
-        if guess[i]:
-            if m == d:
-                return 0
-            active[m] = i
-            m += 1
-    while m > 0:
-        if not _solve(rows, pushes, active, m, system, answer, b, -1):
-            return 0
+        if lcp.guess[i] and m < SIZE:
+            m += _append(lcp, i, m)
+    while True:
+        _solve_active(lcp, m)
         least = 0
         for a in range(m):
-            if answer[a, 0] < answer[least, 0]:
+            if weights[a] < weights[least]:
                 least = a
-        if answer[least, 0] >= 0.0:
+        if m == 0 or weights[least] >= 0.0:
             break
-        m = _without(active, m, least)
+        m = _without(lcp, m, least)
     for a in range(m):
-        z[active[a]] = answer[a, 0]
+        lcp.z[lcp.members[a]] = weights[a]
     return m
 
 
 @inlined
-def _solve(rows, pushes, active, m, system, answer, b, p):
-    """A_aa x = −b_a, or A_aa x = A_ap for p ≥ 0; x is left in `answer`. Whether it was regular."""
-    for i in range(m):
-        for j in range(m):
-            system[i, j] = dot(rows, active[i], pushes, active[j])
-        answer[i, 0] = -b[active[i]] if p < 0 else dot(rows, active[i], pushes, p)
-    return solve_leading(system, answer, m) > SINGULAR
+def _solve_active(lcp, m):
+    """Leave in x, and in `weights` z of the active set, what R x + b = 0 asks for there: L D Lᵀ z = −b, D being the squares."""
+    triangle, weights, x = lcp.triangle, lcp.weights, lcp.x
+    for c in range(SIZE):
+        x[c] = 0.0
+    for a in range(m):
+        v = -lcp.b[lcp.members[a]]
+        for j in range(a):
+            v -= triangle[a, j] * weights[j]
+        weights[a] = v
+    for a in range(m):
+        weights[a] /= lcp.squares[a]
+        for c in range(SIZE):
+            x[c] += weights[a] * lcp.basis[a, c]
+    _back_substitute(triangle, weights, m)
+
+
+@inlined
+def _back_substitute(triangle, weights, m):
+    """weights ← L⁻ᵀ weights."""
+    for a in range(m - 1, -1, -1):
+        v = weights[a]
+        for j in range(a + 1, m):
+            v -= triangle[j, a] * weights[j]
+        weights[a] = v
+
+
+@inlined
+def _append(lcp, p, m):
+    """Make row p the last one of an active set of m. Whether it does not depend on the others."""
+    rows, own = lcp.rows, 0.0
+    left = _orthogonalise(lcp, p, m)
+    for c in range(SIZE):
+        own += rows[p, c] * rows[p, c]
+    lcp.members[m], lcp.squares[m] = p, left
+    return left > DEPENDENT * own
 
 
 @kernel
-def _raise(rows, pushes, p, missing, z, active, m, system, answer, change):
-    """Raise z_p until row p, of which w is −missing, is satisfied, the active rows being kept at w = 0; of those, one that
+def _orthogonalise(lcp, p, m):
+    """Row p less its part along the first m of the basis, as row m of `basis`; that part's coordinates as row m of `triangle`.
+    Returns the square of what is left."""
+    basis, triangle, squares, own, left = lcp.basis, lcp.triangle, lcp.squares, 0.0, 0.0
+    for c in range(SIZE):
+        basis[m, c] = lcp.rows[p, c]
+        own += basis[m, c] * basis[m, c]
+    for j in range(m):
+        triangle[m, j] = 0.0
+    for _ in range(2):
+        for j in range(m):
+            part = 0.0
+            for c in range(SIZE):
+                part += basis[j, c] * basis[m, c]
+            part /= squares[j]
+            triangle[m, j] += part
+            for c in range(SIZE):
+                basis[m, c] -= part * basis[j, c]
+        left = 0.0
+        for c in range(SIZE):
+            left += basis[m, c] * basis[m, c]
+        if left > CLEAN * own:
+            break
+    return left
+
+
+@kernel
+def _raise(lcp, p, missing, m):
+    """Raise z_p until row p, of which w is −missing, is satisfied, the m active rows being kept at w = 0; of those, one that
     would have to pull leaves. Returns (size of the active set, whether row p is satisfied)."""
-    d = rows.shape[1]
-    direction = np.empty(d)
+    z, x, members, weights, direction = lcp.z, lcp.x, lcp.members, lcp.weights, lcp.basis
     while True:
-        if m > 0:
-            _solve(rows, pushes, active, m, system, answer, z, p)
-        for c in range(d):
-            direction[c] = pushes[p, c]
-            for a in range(m):
-                direction[c] -= answer[a, 0] * pushes[active[a], c]
-        gain, own = 0.0, dot(rows, p, pushes, p)
-        for c in range(d):
-            gain += rows[p, c] * direction[c]
-        whole = missing / gain if m < d and gain > DEPENDENT * own else np.inf
+        independent = _append(lcp, p, m)
+        gain = lcp.squares[m]
+        for a in range(m):
+            weights[a] = lcp.triangle[m, a]
+        _back_substitute(lcp.triangle, weights, m)
+        whole = missing / gain if m < SIZE and independent else np.inf
         leaving, part = -1, np.inf
         for a in range(m):
-            if answer[a, 0] > 0.0 and z[active[a]] < part * answer[a, 0]:
-                leaving, part = a, z[active[a]] / answer[a, 0]
+            if weights[a] > 0.0 and z[members[a]] < part * weights[a]:
+                leaving, part = a, z[members[a]] / weights[a]
         step = min(whole, part)
         if step == np.inf:
             return m, False
         for a in range(m):
-            z[active[a]] -= step * answer[a, 0]
+            z[members[a]] -= step * weights[a]
         z[p] += step
-        for c in range(d):
-            change[c] += step * direction[c]
+        for c in range(SIZE):
+            x[c] += step * direction[m, c]
         if whole <= part:
-            active[m] = p
             return m + 1, True
         missing -= step * gain
-        z[active[leaving]] = 0.0
-        m = _without(active, m, leaving)
-
-
-@inlined
-def _without(active, m, place):
-    for a in range(place, m - 1):
-        active[a] = active[a + 1]
-    return m - 1
-
-
-@inlined
-def dot(rows, i, pushes, j):
-    """(rows pushesᵀ)_ij."""
-    s = 0.0
-    for c in range(rows.shape[1]):
-        s += rows[i, c] * pushes[j, c]
-    return s
+        z[members[leaving]] = 0.0
+        m = _without(lcp, m, leaving)
 
 
 @kernel
-def lcp_residual(rows, pushes, b, z):
-    """max_i |min(z_i, (rows pushesᵀ z + b)_i)|."""
-    change = np.zeros(rows.shape[1])
-    for i in range(b.shape[0]):
-        if z[i] != 0.0:
-            for c in range(rows.shape[1]):
-                change[c] += pushes[i, c] * z[i]
-    return _look(rows, b, change, z, np.zeros(b.shape[0], np.bool_))[2]
+def _without(lcp, m, place):
+    """Take the member at a place out of an active set of m. Returns the size of what remains."""
+    members = lcp.members
+    for a in range(place, m - 1):
+        _append(lcp, members[a + 1], a)
+    return m - 1
+
+
+@kernel
+def lcp_residual(lcp, k):
+    """max |min(z, R Rᵀ z + b)| of the first k rows, for any z; x becomes Rᵀ z."""
+    lcp.x[:] = 0.0
+    for i in range(k):
+        lcp.lost[i] = False
+        for c in range(SIZE):
+            lcp.x[c] += lcp.rows[i, c] * lcp.z[i]
+    return _most_violated(lcp, k)[2]

@@ -12,7 +12,7 @@ from wholearm_ros.kernels import control_law, inlined, kernel, switch_law
 from wholearm_ros.kernels.control_law import HOLD_GAINS, PdGains, VelocitySetpoint
 from wholearm_ros.kernels.geometry import left_the_hand
 from wholearm_ros.kernels.interpolation import quintic
-from wholearm_ros.kernels.time_stepping import new_workspace, step, stops_bearing
+from wholearm_ros.kernels.time_stepping import new_workspace, step
 from wholearm_ros.kernels.world import joint
 
 pd_effort = inlined(control_law.pd_effort)
@@ -64,7 +64,8 @@ def run_trajectory(world, plant, law, switching, course, start, settle, record):
 
     Returns (records, largest LCP residual, the `Switch` at the end).
     """
-    work, q, v = new_workspace(world), start.q.copy(), start.v.copy()
+    work = new_workspace(world, plant.friction, law.period)
+    q, v = start.q.copy(), start.v.copy()
     commands, applied = start.efforts.copy(), np.empty(2)
     angles, velocities = np.empty(2), np.empty(2)
     pipe = np.zeros((plant.delay + 1, 2))
@@ -90,14 +91,14 @@ def run_trajectory(world, plant, law, switching, course, start, settle, record):
         if n < record.commands.shape[0]:
             record.commands[n] = commands
         _drive(world, plant, start, n, q, v, commands, pipe, applied)
-        _, residual = step(world, plant.friction, applied, h, q, v, work)
+        _, residual = step(world, work, applied, q, v)
         worst = max(worst, residual)
-        _add_stops(stops_bearing(work), record.stops_met)
         t += h
     if count < record.q.shape[0]:
         record.q[count], record.v[count] = q, v
         count += 1
     record.last_q[:], record.last_v[:] = q, v
+    record.stops_met[:] = work.stops_met
     return count, worst, switch
 
 
@@ -126,13 +127,6 @@ def _drive(world, plant, start, n, q, v, commands, pipe, applied):
                 )
         limit = world.torque_limits[side]
         applied[side] = min(max(acting, -limit), limit) * plant.torque_factors[side]
-
-
-@inlined
-def _add_stops(bearing, met):
-    for side in range(2):
-        for end in range(2):
-            met[side, end] = met[side, end] or bearing[side, end]
 
 
 class Primitive(NamedTuple):
@@ -169,8 +163,8 @@ def run_primitive(world, primitive, q0, efforts, record):
 
     Returns (records, largest LCP residual). Stops early when the object leaves the hand.
     """
-    work, q, v = new_workspace(world), q0.copy(), np.zeros(q0.shape[0])
-    side, h = primitive.side, primitive.h
+    work = new_workspace(world, 0.0, primitive.h)
+    q, v, side = q0.copy(), np.zeros(q0.shape[0]), primitive.side
     j, other = joint(side), 1 - side
     applied, mean, count, worst = np.empty(2), 0.0, 0, 0.0
     for n in range(primitive.ramp_steps + primitive.turn_steps + primitive.settle_steps):
@@ -181,9 +175,8 @@ def run_primitive(world, primitive, q0, efforts, record):
         applied[other] = min(max(wanted, -limit), limit)
         applied[side] = pd_effort(primitive.gains, world.torque_limits[side], motion, q[j], v[j])
         mean += applied[side]
-        _, residual = step(world, 0.0, applied, h, q, v, work)
+        _, residual = step(world, work, applied, q, v)
         worst = max(worst, residual)
-        _add_stops(stops_bearing(work), record.stops_met)
         if (n + 1) % record.every == 0:
             record.q[count], record.v[count], record.wanted[count] = q, v, motion.angle
             record.efforts[count, side] = mean / record.every
@@ -192,6 +185,7 @@ def run_primitive(world, primitive, q0, efforts, record):
         if left_the_hand(world.palm, world.fingers, q):
             break
     record.last_q[:], record.last_v[:] = q, v
+    record.stops_met[:] = work.stops_met
     return count, worst
 
 

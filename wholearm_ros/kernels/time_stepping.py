@@ -24,7 +24,7 @@ from wholearm_ros.kernels.geometry import (
     table_entry,
     table_size,
 )
-from wholearm_ros.kernels.lcp import solve_lcp
+from wholearm_ros.kernels.lcp import Lcp, new_lcp, solve_lcp
 from wholearm_ros.kernels.world import joint
 from wholearm_ros.model.configuration import ROTATION, SIZE, X, Y
 
@@ -37,78 +37,72 @@ STOPS = 4  # end stops of both joints: low and high of the left one, low and hig
 
 
 class Workspace(NamedTuple):
-    """What `step` keeps from one step to the next, for one world; of no use with another configuration's steps.
+    """What `step` keeps from one step to the next, of one motion of one world.
 
-    gaps, codes: (n,) of the gap table's entries; active: (2 n + 4,) rows that pushed in the last step: two of every entry,
-    then the end stops; watched: (n,) entries that could close before the object or a finger has moved by ledger[0] [m],
-    ledger[1] of them, ledger[2] the longest lever; the rest is room for the problem: place: row → index in `active`.
+    friction: coefficient; h: [s] of a step; gaps, codes: (n,) of the gap table's entries; active: (2 n + 4,) rows that pushed in
+    the last step: two of every entry, then the end stops; stops_met: (2, 2) bool, which joint (left, right) has pressed on its
+    (low, high) end stop in any step; watched: (n,) entries that could close before the object or a finger has moved by
+    ledger[0] [m], ledger[1] of them, ledger[2] the longest lever [m]. The rest is room for the problem: place: row → index in
+    `active`; scale: (5,) M^−½, the mass metric's unit lengths, in which the rows of `lcp` are given; vectors: (3, 5).
     """
 
+    friction: float
+    h: float
     gaps: np.ndarray
     codes: np.ndarray
     active: np.ndarray
+    stops_met: np.ndarray
     watched: np.ndarray
     ledger: np.ndarray
     place: np.ndarray
-    rows: np.ndarray
-    pushes: np.ndarray
-    b: np.ndarray
-    z: np.ndarray
-    guess: np.ndarray
+    scale: np.ndarray
     vectors: np.ndarray
+    lcp: Lcp
 
 
 @kernel
-def new_workspace(world):
+def new_workspace(world, friction, h):
+    """For steps of h [s] with a coefficient of friction."""
     n = table_size(world.obj, world.palm, world.corners)
     m = 2 * n + STOPS
     return Workspace(
+        friction,
+        h,
         np.empty(n),
         np.empty(n, np.int64),
         np.zeros(m, np.bool_),
+        np.zeros((2, 2), np.bool_),
         np.empty(n, np.int64),
         np.zeros(3),
         np.empty(m, np.int64),
-        np.empty((m, SIZE)),
-        np.empty((m, SIZE)),
-        np.empty(m),
-        np.empty(m),
-        np.zeros(m, np.bool_),
+        1.0 / np.sqrt(world.inertias),
         np.empty((3, SIZE)),
+        new_lcp(m),
     )
 
 
 @kernel
-def step(world, friction, efforts, h, q, v, work):
-    """One step of h [s] from q, v (5,), both updated in place, under motor torques efforts (2,) [N m].
+def step(world, work, efforts, q, v):
+    """One step from q, v (5,), both updated in place, under motor torques efforts (2,) [N m].
 
-    work: see `Workspace`. Returns (rows that push, LCP residual [m/s]).
+    Returns (rows that push, LCP residual [m/s]).
     """
-    frame = frame_of(q)
-    near = NEAR + 2.0 * h
-    _update_gaps(world, q, frame, near, work)
-    free, ahead = work.vectors[0], work.vectors[1]
-    _free_velocity(world, efforts, h, v, frame, free)
+    frame, ahead = frame_of(q), work.vectors[1]
+    _update_gaps(world, q, frame, work)
+    free = _free_velocity(world, work, efforts, v, frame)
     for j in range(SIZE):
-        ahead[j] = q[j] + h * v[j]
-    k = _contact_rows(world, friction, h, near, q, v, ahead, frame, work)
-    k = _stop_rows(world, h, q, k, work)
-    rows, pushes, b, guess = work.rows, work.pushes, work.b, work.guess
-    inertias, active, place = world.inertias, work.active, work.place
-    for i in range(k):
-        for j in range(SIZE):
-            pushes[i, j] = rows[i, j] / inertias[j]
-            b[i] += rows[i, j] * free[j]
-        guess[i] = active[place[i]]
-    residual = solve_lcp(rows, pushes, b, guess, work.z, k)
-    pushing = _integrate(world, k, h, q, v, work)
-    return pushing, residual
+        ahead[j] = q[j] + work.h * v[j]
+    k = _contact_rows(world, work, q, v, ahead, frame)
+    k = _stop_rows(world, work, q, k)
+    _pose_problem(work, free, k)
+    residual = solve_lcp(work.lcp, k)
+    return _integrate(work, free, k, q, v), residual
 
 
 @inlined
-def _free_velocity(world, efforts, h, v, frame, free):
+def _free_velocity(world, work, efforts, v, frame):
     """v + h M⁻¹ F: what would be without contacts."""
-    load, inertias = world.load, world.inertias
+    h, load, inertias, free = work.h, world.load, world.inertias, work.vectors[0]
     free[X] = v[X] - h * load[X] / inertias[X]
     free[Y] = v[Y] - h * load[Y] / inertias[Y]
     free[ROTATION] = v[ROTATION] - h * load[ROTATION] / inertias[ROTATION]
@@ -116,15 +110,16 @@ def _free_velocity(world, efforts, h, v, frame, free):
         j = joint(side)
         held = world.finger_moment[side] * frame[2 + 2 * side]
         free[j] = v[j] + h * (efforts[side] - held) / inertias[j]
+    return free
 
 
 @inlined
-def _contact_rows(world, friction, h, near, q, v, ahead, frame, work):
-    """The rows of all pairs nearer than `near` [m], and of b the gap and the dilation. Returns how many."""
+def _contact_rows(world, work, q, v, ahead, frame):
+    """The rows of all pairs that are near, and of b the gap and the dilation. Returns how many."""
     obj, palm, fingers, corners = world.obj, world.palm, world.fingers, world.corners
     gaps, codes, active, watched = work.gaps, work.codes, work.active, work.watched
-    rows, b, place, slide = work.rows, work.b, work.place, work.vectors[2]
-    frame_ahead, k = frame_of(ahead), 0
+    rows, b, place, slide, h = work.lcp.rows, work.lcp.b, work.place, work.vectors[2], work.h
+    frame_ahead, near, k = frame_of(ahead), NEAR + 2.0 * h, 0
     for i in range(int(work.ledger[1])):
         e = watched[i]
         if not -DEEPEST < gaps[e] < near:
@@ -140,11 +135,11 @@ def _contact_rows(world, friction, h, near, q, v, ahead, frame, work):
         b[k] = max(gap, 0.0) / h if gaps[e] > 0.0 else PUSHED_OUT * gaps[e] / h
         place[k] = 2 * e
         k += 1
-        if friction > 0.0:
+        if work.friction > 0.0:
             fill_row(slide, px, py, -ny, nx, body, fingers, q)
             place[k] = 2 * e + 1
             b[k] = b[k - 1]
-            _open_cone(rows, b, k, friction, slide, v)
+            _open_cone(rows, b, k, work.friction, slide, v)
             k += 1
     return k
 
@@ -162,9 +157,9 @@ def _open_cone(rows, b, k, friction, slide, v):
 
 
 @inlined
-def _stop_rows(world, h, q, k, work):
+def _stop_rows(world, work, q, k):
     """The end stops of both joints, unilateral constraints like any other, after the first k rows. Returns how many in all."""
-    limits, active, rows = world.limits, work.active, work.rows
+    limits, active, rows, h = world.limits, work.active, work.lcp.rows, work.h
     first = active.shape[0] - STOPS
     for s in range(STOPS):
         j, sign = joint(s // 2), 1.0 - 2.0 * (s % 2)
@@ -174,33 +169,44 @@ def _stop_rows(world, h, q, k, work):
             continue
         for c in range(SIZE):
             rows[k, c] = sign if c == j else 0.0
-        work.b[k] = gap / h if gap > 0.0 else PUSHED_OUT * gap / h
+        work.lcp.b[k] = gap / h if gap > 0.0 else PUSHED_OUT * gap / h
         work.place[k] = first + s
         k += 1
     return k
 
 
 @inlined
-def _integrate(world, k, h, q, v, work):
-    """v⁺ and q⁺ = q + h v⁺, in place. Returns how many of the k rows push."""
-    free, z, pushes, active, place = work.vectors[0], work.z, work.pushes, work.active, work.place
-    pushing = 0
+def _pose_problem(work, free, k):
+    """R = rows M^−½, b = rows v_free + what is there of it; the guess is what pushed in the last step."""
+    rows, b, scale = work.lcp.rows, work.lcp.b, work.scale
+    for i in range(k):
+        for j in range(SIZE):
+            b[i] += rows[i, j] * free[j]
+            rows[i, j] *= scale[j]
+        work.lcp.guess[i] = work.active[work.place[i]]
+
+
+@inlined
+def _integrate(work, free, k, q, v):
+    """v⁺ = v_free + M^−½ x and q⁺ = q + h v⁺, in place. Returns how many of the k rows push."""
+    z, active, place, stops, h = work.lcp.z, work.active, work.place, work.stops_met, work.h
+    first, pushing = active.shape[0] - STOPS, 0
     for i in range(k):
         active[place[i]] = z[i] > 0.0
         if z[i] > 0.0:
             pushing += 1
-            for j in range(SIZE):
-                free[j] += pushes[i, j] * z[i]
+            if place[i] >= first:
+                stops[(place[i] - first) // 2, (place[i] - first) % 2] = True
     for j in range(SIZE):
-        v[j] = free[j]
-        q[j] += h * free[j]
+        v[j] = free[j] + work.scale[j] * work.lcp.x[j]
+        q[j] += h * v[j]
     ledger, turning = work.ledger, max(abs(v[joint(0)]), abs(v[joint(1)]))
     ledger[0] -= h * (np.hypot(v[X], v[Y]) + ledger[2] * (abs(v[ROTATION]) + turning))
     return pushing
 
 
 @inlined
-def _update_gaps(world, q, frame, near, work):
+def _update_gaps(world, q, frame, work):
     """Gaps of the watched entries at q; of all of them, and which to watch, when enough has moved since that was done."""
     obj, palm, fingers, corners = world.obj, world.palm, world.fingers, world.corners
     gaps, codes, watched, ledger = work.gaps, work.codes, work.watched, work.ledger
@@ -209,7 +215,7 @@ def _update_gaps(world, q, frame, near, work):
             e = watched[k]
             gaps[e], codes[e] = table_entry(obj, palm, fingers, corners, e, q, frame)
         return
-    count, active = 0, work.active
+    count, active, near = 0, work.active, NEAR + 2.0 * work.h
     gap_table(obj, palm, fingers, corners, q, gaps, codes)
     for e in range(gaps.shape[0]):
         if gaps[e] < near + WATCH or gaps[e] == np.inf:
@@ -233,9 +239,3 @@ def _reach(world, q):
     for k in range(palm.shape[0]):
         reach = max(reach, np.hypot(q[X] - palm[k, 0], q[Y] - palm[k, 1]))
     return reach
-
-
-@kernel
-def stops_bearing(work):
-    """(2, 2) bool view: whether each joint (left, right) pressed on its (low, high) end stop in the last step."""
-    return work.active[work.active.shape[0] - STOPS :].reshape((2, 2))

@@ -12,7 +12,7 @@ import numpy as np
 
 from wholearm_ros.errors import SolverError
 from wholearm_ros.kernels import statics
-from wholearm_ros.kernels.lcp import solve_lcp
+from wholearm_ros.kernels.lcp import new_lcp, solve_lcp
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.world import World
 
@@ -23,17 +23,23 @@ RATE_STEP = 1e-7  # [s] over which Ṅ is differenced
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics:
-    """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A = N response (n, n) [1/kg], N (n, 4), b (n,) [m/s²]; free (4,) accelerations without contact,
-    response (4, n) of them to the forces; pairs: their codes."""
+    """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A = N M⁻¹ Nᵀ (n, n) [1/kg], N (n, 4), b (n,) [m/s²]; free: (4,) accelerations
+    without contact; scale: (4,) M^−½; pairs: their codes."""
 
     N: np.ndarray
     b: np.ndarray
     free: np.ndarray
-    response: np.ndarray
-    pairs: tuple
+    scale: np.ndarray
+    pairs: tuple[int, ...]
+
+    @property
+    def response(self) -> np.ndarray:
+        """(4, n) = M⁻¹ Nᵀ, of the accelerations to the forces."""
+        return (self.N * self.scale**2).T
 
     @property
     def A(self) -> np.ndarray:
+        """(n, n) [1/kg], of the separations to the forces."""
         return self.N @ self.response
 
 
@@ -75,18 +81,19 @@ def build_forward_dynamics(
     force[3 + torque_finger] += torque
     free = (force / world.inertias)[moving]
     N = np.ascontiguousarray(rows[:, moving])
-    response = (N / world.inertias[moving]).T
+    scale = 1.0 / np.sqrt(world.inertias[moving])
     bias = rows[:, driven] * velocity_finger_acceleration + (ahead - rows) @ q_dot / RATE_STEP
-    return ForwardDynamics(N, N @ free + bias, free, response, tuple(pairs))
+    return ForwardDynamics(N, N @ free + bias, free, scale, tuple(pairs))
 
 
 def solve_forward_dynamics(problem: ForwardDynamics) -> ForwardDynamicsSolution:
     """Forces and accelerations. Raises SolverError when the complementarity is not met to RESIDUAL_TOLERANCE."""
     n = len(problem.b)
-    forces = np.zeros(n)
-    solve_lcp(
-        problem.N, problem.response.T.copy(), problem.b, np.ones(n, dtype=np.bool_), forces, n
-    )
+    lcp = new_lcp(n)
+    lcp.rows[:, : len(problem.free)] = problem.N * problem.scale
+    lcp.b[:], lcp.guess[:] = problem.b, True
+    solve_lcp(lcp, n)
+    forces = lcp.z
     answer = ForwardDynamicsSolution(
         problem, forces, problem.free + problem.response @ forces, problem.A @ forces + problem.b
     )

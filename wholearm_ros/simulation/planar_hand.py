@@ -32,7 +32,7 @@ class PlanarHand:
         self._dt = self.period / self._substeps
         self._world = build_world(self.scenario)
         self._friction = float(perturbation.friction)
-        self._work = time_stepping.new_workspace(self._world)
+        self._work = time_stepping.new_workspace(self._world, self._friction, self._dt)
         self._drives = Drives(self.scenario, perturbation, self._dt)
         self._encoders = Encoders(perturbation)
         self._q, self._v, self.time = np.zeros(5), np.zeros(5), 0.0
@@ -42,7 +42,7 @@ class PlanarHand:
     def reset(self, configuration: np.ndarray) -> None:
         """At rest at `configuration` (5,) [m, m, rad, rad, rad]."""
         self._q, self._v, self.time = np.array(configuration, dtype=float), np.zeros(5), 0.0
-        self._work = time_stepping.new_workspace(self._world)
+        self._work = time_stepping.new_workspace(self._world, self._friction, self._dt)
         self.largest_residual = 0.0
         self._drives.reset(self._q[3:])
         self._encoders.reset()
@@ -53,9 +53,7 @@ class PlanarHand:
         for _ in range(self._substeps):
             q, v = self._q, self._v
             torques = self._drives.torques(efforts, q[3:], v[3:])
-            _, residual = time_stepping.step(
-                self._world, self._friction, torques, self._dt, q, v, self._work
-            )
+            _, residual = time_stepping.step(self._world, self._work, torques, q, v)
             self.largest_residual = max(self.largest_residual, residual)
         self.time += self.period
         self._reading = self._encoders.read(self._q[3:], self._v[3:])
