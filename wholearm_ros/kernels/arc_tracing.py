@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wholearm_ros.kernels import kernel
+from wholearm_ros.kernels import allocating, kernel
 from wholearm_ros.kernels.geometry import (
     contact,
     contact_in,
@@ -46,7 +46,7 @@ SAME_POINT = 1e-6  # [m] a contact this near the end of its edge is at the end
 PARALLEL = 1e-6  # [rad] normals this near are the same: an edge lies on an edge
 
 
-@kernel
+@allocating
 def project(obj, palm, fingers, codes, q, hold, rows, gaps):
     """Newton on gap = 0 of the four pairs, moving q orthogonally to `hold` (5,). Returns True when it converged."""
     m = np.empty((5, 5))
@@ -98,7 +98,7 @@ def overshoot(obj, palm, fingers, corners, codes, limits, q, skip, gaps, table_c
     return worst, event, which
 
 
-@kernel
+@allocating
 def statics_at(
     obj, palm, fingers, codes, q, tangent, load, finger_moment, torque_limits, friction, rows, out
 ):
@@ -128,7 +128,7 @@ def touches_palm(codes):
     return False
 
 
-@kernel
+@allocating
 def trace_arc(
     obj,
     palm,
@@ -291,7 +291,7 @@ def in_cage(cages, angle):
     return False
 
 
-@kernel
+@allocating
 def _scaled(t, scale):
     """The covector that measures arc length along t."""
     out = np.empty(5)
@@ -300,7 +300,7 @@ def _scaled(t, scale):
     return out
 
 
-@kernel
+@allocating
 def _hold(obj, palm, fingers, codes, q, scale, rows, gaps, t):
     normal_rows(obj, palm, fingers, codes, q, rows, gaps)
     null_vector(rows, scale, t)
@@ -317,7 +317,7 @@ def _orient(t, reference, scale):
             t[j] = -t[j]
 
 
-@kernel
+@allocating
 def _blocked_at_start(obj, palm, fingers, corners, codes, limits, q, t, skip, gaps, table_codes):
     """Whether a feature that is closed at q, but not one of the pairs, would penetrate when moving along t."""
     probe = q + 1e-6 * t
@@ -341,7 +341,7 @@ def _blocked_at_start(obj, palm, fingers, corners, codes, limits, q, t, skip, ga
     return False
 
 
-@kernel
+@allocating
 def _locate(
     obj,
     palm,
@@ -473,7 +473,7 @@ def _hand_edge_at(palm, body, corner, k):
     return 0 if corner == 0 else 2
 
 
-@kernel
+@allocating
 def follow(
     obj,
     palm,

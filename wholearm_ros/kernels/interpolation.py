@@ -1,6 +1,6 @@
 """Interpolation in compiled code: the polynomials of motion, and courses of a torque whose rate of change is limited."""
 
-from wholearm_ros.kernels import inlined, kernel
+from wholearm_ros.kernels import allocating, inlined
 from wholearm_ros.model import interpolation
 
 quintic = inlined(interpolation.quintic)
@@ -8,7 +8,7 @@ fade = inlined(interpolation.fade)
 hermite = inlined(interpolation.hermite)
 
 
-@kernel
+@allocating
 def slew_limited(torque, start, step):
     """The torque (k,) with no more than `step` [N m] from one sample to the next and from `start` to the first.
 
@@ -24,7 +24,7 @@ def slew_limited(torque, start, step):
     return out
 
 
-@kernel
+@allocating
 def held_within(torque, low, high, step):
     """The slew-limited torque (k,) held inside a range (k,), (k,), by bounds that are slew-limited themselves; the middle of
     those where the range moves faster than that."""

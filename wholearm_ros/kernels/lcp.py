@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wholearm_ros.kernels import inlined, kernel
+from wholearm_ros.kernels import allocating, inlined, kernel
 from wholearm_ros.model.configuration import SIZE
 
 DEPENDENT = 1e-10  # of a row's own square: less is left of a row that depends on the active ones
@@ -40,7 +40,7 @@ class Lcp(NamedTuple):
     weights: np.ndarray
 
 
-@kernel
+@allocating
 def new_lcp(n):
     """Room for a problem of up to n rows; nothing is guessed."""
     return Lcp(

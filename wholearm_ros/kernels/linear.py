@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wholearm_ros.kernels import kernel
+from wholearm_ros.kernels import allocating, kernel
 
 
 @kernel
@@ -46,7 +46,7 @@ def solve_leading(a, b, n):
     return smallest / largest
 
 
-@kernel
+@allocating
 def null_vector(rows, scale, t):
     """Fill t (5,) with the unit vector (in coordinates q / scale) that spans the kernel of rows (4, 5).
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wholearm_ros.kernels import control_law, inlined, kernel, switch_law
+from wholearm_ros.kernels import allocating, control_law, inlined, switch_law
 from wholearm_ros.kernels.control_law import HOLD_GAINS, PdGains, VelocitySetpoint
 from wholearm_ros.kernels.geometry import left_the_hand
 from wholearm_ros.kernels.interpolation import quintic
@@ -57,7 +57,7 @@ class Record(NamedTuple):
     stops_met: np.ndarray
 
 
-@kernel
+@allocating
 def run_trajectory(world, plant, law, switching, course, start, settle, record):
     """The closed loop along the whole course, and `settle` [s] of holding its end. A run that the mode switch stops ends
     there. law, switching: `ControlLaw` and `SwitchLaw`.
@@ -157,7 +157,7 @@ class PrimitiveCourse(NamedTuple):
     stops_met: np.ndarray
 
 
-@kernel
+@allocating
 def run_primitive(world, primitive, q0, efforts, record):
     """Forward dynamics of a motion primitive from rest in q0 (5,) under efforts (2,) [N m].
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from wholearm_ros.kernels import kernel
+from wholearm_ros.kernels import allocating, kernel
 from wholearm_ros.kernels.linear import solve_in_place
 
 
-@kernel
+@allocating
 def equilibrium_forces(rows, load, torque_column, forces):
     """Solve eq. (4) for f = a + b τ_T; forces (4, 2) receives columns a [N] and b [1/m]. Returns the pivot ratio.
 
@@ -26,7 +26,7 @@ def equilibrium_forces(rows, load, torque_column, forces):
     return solve_in_place(m, forces)
 
 
-@kernel
+@allocating
 def torque_interval(rows, load, limits, torque_column, forces):
     """(τ_min, τ_max) [N m] of the torque-controlled finger by (4), (5) and both motors' limits; (1, −1)-like when empty.
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wholearm_ros.kernels import inlined, kernel
+from wholearm_ros.kernels import allocating, inlined, kernel
 from wholearm_ros.kernels.geometry import (
     contact_in,
     fill_row,
@@ -60,7 +60,7 @@ class Workspace(NamedTuple):
     lcp: Lcp
 
 
-@kernel
+@allocating
 def new_workspace(world, friction, h):
     """For steps of h [s] with a coefficient of friction."""
     n = table_size(world.obj, world.palm, world.corners)
@@ -87,9 +87,9 @@ def step(world, work, efforts, q, v):
 
     Returns (rows that push, LCP residual [m/s]).
     """
-    frame, ahead = frame_of(q), work.vectors[1]
+    frame, free, ahead = frame_of(q), work.vectors[0], work.vectors[1]
     _update_gaps(world, q, frame, work)
-    free = _free_velocity(world, work, efforts, v, frame)
+    _free_velocity(world, work, efforts, v, frame, free)
     for j in range(SIZE):
         ahead[j] = q[j] + work.h * v[j]
     k = _contact_rows(world, work, q, v, ahead, frame)
@@ -100,9 +100,9 @@ def step(world, work, efforts, q, v):
 
 
 @inlined
-def _free_velocity(world, work, efforts, v, frame):
+def _free_velocity(world, work, efforts, v, frame, free):
     """v + h M⁻¹ F: what would be without contacts."""
-    h, load, inertias, free = work.h, world.load, world.inertias, work.vectors[0]
+    h, load, inertias = work.h, world.load, world.inertias
     free[X] = v[X] - h * load[X] / inertias[X]
     free[Y] = v[Y] - h * load[Y] / inertias[Y]
     free[ROTATION] = v[ROTATION] - h * load[ROTATION] / inertias[ROTATION]
@@ -110,7 +110,6 @@ def _free_velocity(world, work, efforts, v, frame):
         j = joint(side)
         held = world.finger_moment[side] * frame[2 + 2 * side]
         free[j] = v[j] + h * (efforts[side] - held) / inertias[j]
-    return free
 
 
 @inlined
