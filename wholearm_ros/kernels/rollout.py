@@ -115,8 +115,8 @@ def _read(plant, n, q, v, angles, velocities):
 @inlined
 def _drive(world, plant, start, n, q, v, commands, pipe, applied):
     """Torques of period n: the command of `delay` periods before; what there was before the first one."""
-    pipe[n % (plant.delay + 1)] = commands
     for side in range(2):
+        pipe[n % (plant.delay + 1), side] = commands[side]
         acting = pipe[(n + 1) % (plant.delay + 1), side]
         if n < plant.delay:
             acting = start.efforts[side]
