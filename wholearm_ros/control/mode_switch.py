@@ -16,24 +16,24 @@ from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
 
 IDLE, DONE, STOPPED = 'idle', 'done', 'stopped'
-NO_BAND = readonly(np.empty((0, 2)))
 HOLD_MARGIN = 0.2  # [N m] inside of the torque range when the fingers hold the object after a stop
 
 
 def course_of(trajectory: ManipulationTrajectory) -> Course:
     """A trajectory as the arrays of the switch law."""
     band = trajectory.band
-    return Course(
+    course = Course(
         trajectory.period,
         trajectory.angles,
         trajectory.velocities,
         trajectory.efforts,
         readonly([s.end for s in trajectory.segments]),
         readonly([s.velocity_finger for s in trajectory.segments], dtype=np.int64),
-        1.0 if band is None else band.period,
-        NO_BAND if band is None else band.low,
-        NO_BAND if band is None else band.high,
-        0.0 if band is None else band.patience,
+    )
+    if band is None:
+        return course
+    return course._replace(
+        band_period=band.period, low=band.low, high=band.high, patience=band.patience
     )
 
 

@@ -28,7 +28,7 @@ def kernel(function):
 
 def allocating(function):
     """A kernel that makes arrays, for itself or to return them."""
-    return _compiled(function)
+    return _compiled(function, _nrt=True)
 
 
 @cache

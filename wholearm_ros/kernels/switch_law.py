@@ -10,9 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from wholearm_ros.kernels.control_law import TorqueSetpoint, VelocitySetpoint
+from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.interpolation import fade, hermite
 
 NO_FINGER = -1  # before the first period
+NO_BAND = readonly(np.empty((0, 2)))
 
 
 class SwitchLaw(NamedTuple):
@@ -36,10 +38,10 @@ class Course(NamedTuple):
     efforts: np.ndarray
     ends: np.ndarray
     fingers: np.ndarray
-    band_period: float
-    low: np.ndarray
-    high: np.ndarray
-    patience: float
+    band_period: float = 1.0
+    low: np.ndarray = NO_BAND
+    high: np.ndarray = NO_BAND
+    patience: float = 0.0
 
 
 class Outside(NamedTuple):
