@@ -31,10 +31,10 @@ def _torque_ranges(rows, loads, limits, column, ends):
 
 
 @njit
-def _projections(obj, palm, fingers, codes, qs, hold):
-    rows, gaps, good = np.empty((4, 5)), np.empty(4), 0
+def _projections(world, codes, qs, hold):
+    manifold, good = arc_tracing.new_manifold(world, codes), 0
     for i in range(len(qs)):
-        good += arc_tracing.project(obj, palm, fingers, codes, qs[i], hold, rows, gaps)
+        good += arc_tracing.project(world, manifold, qs[i], hold)
     return good
 
 
@@ -110,14 +110,14 @@ def _projection(world, codes, expansion, batch, repeats):
     )
 
     def compiled():
-        assert _projections(*world.geometry, codes, off.copy(), hold) == batch
+        assert _projections(world, codes, off.copy(), hold) == batch
 
     def obvious():
         return [plain.project(world, codes, q, hold) for q in off]
 
     compiled()
     here = off.copy()
-    _projections(*world.geometry, codes, here, hold)
+    _projections(world, codes, here, hold)
     np.testing.assert_allclose(here, obvious(), atol=1e-8)
     return _row(compiled, obvious, batch, repeats)
 

@@ -28,26 +28,22 @@ def slide():
     """(world, pair codes, configurations, tangents, statics) of the arc on which the hexagon slides to the right."""
     task = build_problem(ASYMMETRIC)
     w, codes = task.world, np.array([pair_from_name(c) for c in CONTACTS])
-    qs, ts, st = np.empty((300, 5)), np.empty((300, 5)), np.empty((300, 2, 4))
-    count, event, which = arc_tracing.trace_arc(
-        *w.geometry,
-        w.corners,
-        w.scale,
-        w.limits,
-        w.load,
-        w.finger_moment,
-        w.torque_limits,
-        0.03,
-        task.cage_intervals,
-        codes,
-        task.start,
-        np.array([1.0, 0.0, 0.0, 0.0, 0.0]),
-        -1,
-        qs,
-        ts,
-        st,
-    )
-    return w, codes, qs[:count], ts[:count], st[:count], event, which
+    given = arc_tracing.ArcTask(codes, task.start, np.eye(5)[0], -1, 0.03, task.cage_intervals)
+    samples = new_samples()
+    count, event, which = arc_tracing.trace_arc(w, given, samples)
+    return w, codes, *(rows[:count] for rows in samples), event, which
+
+
+def new_samples():
+    return arc_tracing.ArcSamples(np.empty((300, 5)), np.empty((300, 5)), np.empty((300, 2, 4)))
+
+
+def followed(w, codes, qs, driver, thetas):
+    """(how many were found, configurations, statics, gains) at angles of the velocity finger."""
+    k = len(thetas)
+    course = arc_tracing.FollowedCourse(np.empty((k, 5)), np.empty((k, 2, 4)), np.empty((k, 2)))
+    following = arc_tracing.Following(codes, qs, driver, 0.03)
+    return arc_tracing.follow(w, following, thetas, course), *course
 
 
 def test_projection_closes_the_pairs_and_moves_across_the_held_direction_only():
@@ -56,7 +52,7 @@ def test_projection_closes_the_pairs_and_moves_across_the_held_direction_only():
     for q in qs[1:-1:4]:
         away = q + rng.normal(size=5) * 1e-3
         hold, moved = rng.normal(size=5), away.copy()
-        assert arc_tracing.project(*w.geometry, codes, moved, hold, np.empty((4, 5)), np.empty(4))
+        assert arc_tracing.project(w, arc_tracing.new_manifold(w, codes), moved, hold)
         assert np.abs(contact_rows(w, codes, moved)[1]).max() < arc_tracing.GAP_TOLERANCE
         assert hold @ (moved - away) == pytest.approx(0.0, abs=1e-9)
 
@@ -92,24 +88,8 @@ def test_following_gives_the_angles_asked_for_with_all_contacts_closed(driver):
     """Forward kinematics (3): θ_V exactly, gaps ≤ 1e-9; the gains are the equilibrium torque of the velocity finger."""
     w, codes, qs, _, _, _, _ = slide()
     thetas = np.linspace(qs[0, 3 + driver], qs[-1, 3 + driver], 37)
-    out, statics, gains = np.empty((37, 5)), np.empty((37, 2, 4)), np.empty((37, 2))
-    assert (
-        arc_tracing.follow(
-            *w.geometry,
-            codes,
-            qs,
-            driver,
-            thetas,
-            w.load,
-            w.finger_moment,
-            w.torque_limits,
-            0.03,
-            out,
-            statics,
-            gains,
-        )
-        == 37
-    )
+    found, out, statics, gains = followed(w, codes, qs, driver, thetas)
+    assert found == 37
     np.testing.assert_allclose(out[:, 3 + driver], thetas, atol=1e-12)
     for q, both, gain in zip(out, statics, gains):
         assert np.abs(contact_rows(w, codes, q)[1]).max() < 1e-9
@@ -125,24 +105,7 @@ def test_following_gives_the_angles_asked_for_with_all_contacts_closed(driver):
 
 def test_following_stops_where_the_contacts_cannot_be_kept():
     w, codes, qs, _, _, _, _ = slide()
-    out, statics, gains = np.empty((2, 5)), np.empty((2, 2, 4)), np.empty((2, 2))
-    assert (
-        arc_tracing.follow(
-            *w.geometry,
-            codes,
-            qs,
-            0,
-            np.array([qs[0, 3], qs[0, 3] + 2.0]),
-            w.load,
-            w.finger_moment,
-            w.torque_limits,
-            0.03,
-            out,
-            statics,
-            gains,
-        )
-        == 1
-    )
+    assert followed(w, codes, qs, 0, np.array([qs[0, 3], qs[0, 3] + 2.0]))[0] == 1
 
 
 def test_a_driver_that_would_have_to_reverse_ends_the_arc():
@@ -156,26 +119,12 @@ def test_a_driver_that_would_have_to_reverse_ends_the_arc():
                 toward = np.zeros(5)
                 toward[3 + driver] = 1.0
                 for given in (-1, driver):
-                    qs, ts, st = np.empty((300, 5)), np.empty((300, 5)), np.empty((300, 2, 4))
-                    count = arc_tracing.trace_arc(
-                        *w.geometry,
-                        w.corners,
-                        w.scale,
-                        w.limits,
-                        w.load,
-                        w.finger_moment,
-                        w.torque_limits,
-                        0.03,
-                        task.cage_intervals,
-                        np.array(four),
-                        task.start,
-                        toward,
-                        given,
-                        qs,
-                        ts,
-                        st,
-                    )[0]
-                    ends.append(qs[:count])
+                    asked = arc_tracing.ArcTask(
+                        np.array(four), task.start, toward, given, 0.03, task.cage_intervals
+                    )
+                    samples = new_samples()
+                    count = arc_tracing.trace_arc(w, asked, samples)[0]
+                    ends.append(samples.configurations[:count])
                 assert len(ends[1]) <= len(ends[0])
                 assert (np.diff(ends[1][:, 3 + driver]) > 0.0).all()
 
@@ -204,9 +153,6 @@ def test_the_pair_at_the_end_of_an_edge_is_followed_by_its_neighbour(name, verte
     ) + w.fingers[1, 2] * np.array([np.cos(q[4]), np.sin(q[4])])
     c, s = np.cos(q[2]), np.sin(q[2])
     q[:2] += corner - (q[:2] + np.array([[c, -s], [s, c]]) @ w.obj[int(vertex_on[1]), :2])
-    assert (
-        pair_name(int(arc_tracing.next_pair_at_end(*w.geometry, pair_from_name(name), q)))
-        == follows
-    )
+    assert pair_name(int(arc_tracing.next_pair_at_end(w, pair_from_name(name), q))) == follows
     gaps, _ = gap_table(w, q)
     assert np.abs(gaps).min() < 1e-12

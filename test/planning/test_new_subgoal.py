@@ -88,14 +88,8 @@ def test_tangents_are_finite_differences_of_the_arc():
             ends = []
             for sign in (1.0, -1.0):
                 near = q + sign * h * t
-                assert arc_tracing.project(
-                    *task.world.geometry,
-                    np.array(arc.pairs),
-                    near,
-                    t / scale**2,
-                    np.empty((4, 5)),
-                    np.empty(4),
-                )
+                manifold = arc_tracing.new_manifold(task.world, np.array(arc.pairs))
+                assert arc_tracing.project(task.world, manifold, near, t / scale**2)
                 ends.append(near)
             np.testing.assert_allclose((ends[0] - ends[1]) / (2 * h * scale), t / scale, atol=1e-5)
 

@@ -1,10 +1,13 @@
 """One-dimensional arcs of configurations on which four contacts stay closed: predictor–corrector, ended by the first event."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from wholearm_ros.kernels import allocating, kernel
+from wholearm_ros.kernels import allocating, inlined, kernel
 from wholearm_ros.kernels.geometry import (
-    contact,
+    PALM,
+    VERTEX_EDGE,
     contact_in,
     entry_of,
     frame_of,
@@ -22,432 +25,422 @@ from wholearm_ros.kernels.geometry import (
 )
 from wholearm_ros.kernels.linear import null_vector, solve_in_place
 from wholearm_ros.kernels.statics import equilibrium_forces, load_at, tilt_rows, torque_interval
+from wholearm_ros.kernels.world import joint
+from wholearm_ros.model.configuration import ROTATION, SIZE
 
 # why an arc ended
-CLOSED, EDGE_END, JOINT_LIMIT, SINGULAR, NO_EQUILIBRIUM, CAGED, BLOCKED, TOO_LONG, LANDED = (
-    1,
-    2,
-    3,
-    4,
-    5,
-    6,
-    7,
-    8,
-    9,
-)
+CLOSED, EDGE_END, JOINT_LIMIT, SINGULAR, NO_EQUILIBRIUM, CAGED, BLOCKED, TOO_LONG = range(1, 9)
 
 FIRST_STEP = 0.01  # of the scaled arc length, in which two thirds of a finger count as 1 rad
 LARGEST_STEP = 0.06
 SMALLEST_STEP = 1e-7
 LARGEST_TURN = 0.15  # of the unit tangent in one step
 GAP_TOLERANCE = 1e-10  # [m] residual of the projection
+LARGEST_GAP = 0.05  # [m] beyond which the projection gives up
 EVENT_TOLERANCE = 1e-9  # [m] overshoot left at an event
+START_TOLERANCE = 1e-7  # [m] penetration at the start, and gap of what is closed there
 SAME_POINT = 1e-6  # [m] a contact this near the end of its edge is at the end
 PARALLEL = 1e-6  # [rad] normals this near are the same: an edge lies on an edge
+RANK_FOUR = 1e-9  # least norm of the tangent by cofactors
+PROBE = 1e-6  # of the scaled arc length, by which it is seen what a motion does to what is closed
+
+
+class ArcTask(NamedTuple):
+    """Which arc: codes: (4,) pairs that stay closed; start: (5,); toward: (5,), to the side of which it goes; driver: 0 or 1,
+    the velocity-controlled finger, whose direction must not reverse, or −1 for either; friction: coefficient for the robust
+    range; cages: (c, 2) intervals of φ [rad] in which gravity alone turns the object on to rest, and equilibrium may be lost.
+    """
+
+    codes: np.ndarray
+    start: np.ndarray
+    toward: np.ndarray
+    driver: int
+    friction: float
+    cages: np.ndarray
+
+
+class ArcSamples(NamedTuple):
+    """What is filled in along an arc: configurations, tangents: (m, 5); statics: (m, 2, 4), see `statics_at`."""
+
+    configurations: np.ndarray
+    tangents: np.ndarray
+    statics: np.ndarray
+
+
+class Event(NamedTuple):
+    """The most violated inequality: amount > 0 when violated [m or rad], its kind, and its pair or joint."""
+
+    amount: float
+    kind: int
+    which: int
+
+
+class Manifold(NamedTuple):
+    """The configurations on which the pairs codes (4,) are closed. member: (n,) entries of the gap table that they are.
+
+    Of the configuration that was looked at last: rows: (4, 5) and pair_gaps: (4,) of the pairs, gaps and table_codes: (n,) of the
+    gap table. The rest is room: newton: (5, 5), update: (5, 1), hold, load: (5,), slides, tilted: (4, 5), forces: (4, 2).
+    """
+
+    codes: np.ndarray
+    member: np.ndarray
+    rows: np.ndarray
+    pair_gaps: np.ndarray
+    gaps: np.ndarray
+    table_codes: np.ndarray
+    newton: np.ndarray
+    update: np.ndarray
+    hold: np.ndarray
+    load: np.ndarray
+    slides: np.ndarray
+    tilted: np.ndarray
+    forces: np.ndarray
 
 
 @allocating
-def project(obj, palm, fingers, codes, q, hold, rows, gaps):
+def new_manifold(world, codes):
+    """The manifold of the pairs codes (4,)."""
+    n = table_size(world.obj, world.palm, world.corners)
+    member = np.zeros(n, np.bool_)
+    for i in range(codes.shape[0]):
+        member[entry_of(world.obj, world.palm, world.corners, codes[i])] = True
+    return Manifold(
+        codes,
+        member,
+        np.empty((4, SIZE)),
+        np.empty(4),
+        np.empty(n),
+        np.empty(n, np.int64),
+        np.empty((SIZE, SIZE)),
+        np.empty((SIZE, 1)),
+        np.empty(SIZE),
+        np.empty(SIZE),
+        np.empty((4, SIZE)),
+        np.empty((4, SIZE)),
+        np.empty((4, 2)),
+    )
+
+
+@allocating
+def trace_arc(world, task, samples):
+    """Follow the arc that an `ArcTask` names, until the first event, and fill samples.
+
+    Returns (number of samples, event, its pair or index).
+    """
+    on = new_manifold(world, task.codes)
+    q, t, qn, tn = task.start.copy(), np.empty(SIZE), np.empty(SIZE), np.empty(SIZE)
+    event = _begin(world, on, task, q, t)
+    if event:
+        return 0, event, 0
+    count, length, sense = 0, FIRST_STEP, _sense(task, t)
+    while True:
+        count = _keep(world, on, task, q, t, samples, count)
+        event = _not_in_equilibrium(on, task, q, t, samples.statics[count - 1])
+        if event:
+            return count, event, 0
+        if count == samples.configurations.shape[0]:
+            return count, TOO_LONG, 0
+        length = _predict_and_correct(world, on, q, t, length, qn, tn)
+        if length == 0.0 or _sense(task, tn) != sense:
+            return count, SINGULAR, 0
+        past = overshoot(world, on, qn)
+        if past.amount > EVENT_TOLERANCE:
+            past = _locate(world, on, q, t, length, past, qn)
+            _tangent(world, on, t, tn)
+            return _keep(world, on, task, qn, tn, samples, count), past.kind, past.which
+        for j in range(SIZE):
+            q[j], t[j] = qn[j], tn[j]
+        length = min(1.7 * length, LARGEST_STEP)
+
+
+@kernel
+def _begin(world, on, task, q, t):
+    """Bring q onto the manifold and find the tangent t there. Returns why there is no arc from there, or 0."""
+    normal_rows(world.obj, world.palm, world.fingers, on.codes, q, on.rows, on.pair_gaps)
+    null_vector(on.rows, world.scale, t)
+    _covector(world, t, on.hold)
+    if not project(world, on, q, on.hold):
+        return BLOCKED
+    if not _tangent(world, on, task.toward, t):
+        return SINGULAR
+    if overshoot(world, on, q).amount > START_TOLERANCE or _blocked_at_start(world, on, q, t):
+        return BLOCKED
+    if task.driver >= 0 and abs(t[joint(task.driver)]) < 1e-6:
+        return SINGULAR
+    return 0
+
+
+@kernel
+def project(world, on, q, hold):
     """Newton on gap = 0 of the four pairs, moving q orthogonally to `hold` (5,). Returns True when it converged."""
-    m = np.empty((5, 5))
-    b = np.empty((5, 1))
+    rows, gaps, newton, update = on.rows, on.pair_gaps, on.newton, on.update
     for _ in range(12):
-        normal_rows(obj, palm, fingers, codes, q, rows, gaps)
+        normal_rows(world.obj, world.palm, world.fingers, on.codes, q, rows, gaps)
         worst = 0.0
         for i in range(4):
             worst = max(worst, abs(gaps[i]))
         if worst < GAP_TOLERANCE:
             return True
-        if worst > 0.05:
+        if worst > LARGEST_GAP:
             return False
+        for j in range(SIZE):
+            for i in range(4):
+                newton[i, j] = rows[i, j]
+            newton[4, j] = hold[j]
         for i in range(4):
-            for j in range(5):
-                m[i, j] = rows[i, j]
-            b[i, 0] = -gaps[i]
-        for j in range(5):
-            m[4, j] = hold[j]
-        b[4, 0] = 0.0
-        if solve_in_place(m, b) < 1e-12:
+            update[i, 0] = -gaps[i]
+        update[4, 0] = 0.0
+        if solve_in_place(newton, update) < 1e-12:
             return False
-        for j in range(5):
-            q[j] += b[j, 0]
+        for j in range(SIZE):
+            q[j] += update[j, 0]
     return False
 
 
 @kernel
-def overshoot(obj, palm, fingers, corners, codes, limits, q, skip, gaps, table_codes):
-    """The most violated inequality at q: (amount > 0 when violated [m or rad], event, its pair or index).
+def _predict_and_correct(world, on, q, t, length, qn, tn):
+    """A step of at most `length` along t, brought back onto the manifold: qn, and the tangent tn there. Shorter where Newton
+    fails or the tangent turns too much. Returns the length of the step, 0 when even the smallest one fails."""
+    while True:
+        _covector(world, t, on.hold)
+        if _projected(world, on, q, t, length, qn) and _tangent(world, on, t, tn):
+            turn = 0.0
+            for j in range(SIZE):
+                turn += ((tn[j] - t[j]) / world.scale[j]) ** 2
+            if turn < LARGEST_TURN**2:
+                return length
+        length *= 0.4
+        if length < SMALLEST_STEP:
+            return 0.0
 
-    skip: (m,) entries of the gap table that are active contacts.
+
+@inlined
+def _projected(world, on, q, t, length, qn):
+    """qn: q moved by `length` along t and brought back onto the manifold. Whether that converged."""
+    for j in range(SIZE):
+        qn[j] = q[j] + length * t[j]
+    return project(world, on, qn, on.hold)
+
+
+@kernel
+def _tangent(world, on, toward, t):
+    """Fill t (5,) with the unit tangent to the side of `toward`. Whether there is one: the rows have rank four."""
+    regular, along = null_vector(on.rows, world.scale, t) >= RANK_FOUR, 0.0
+    for j in range(SIZE):
+        along += t[j] * toward[j] / world.scale[j] ** 2
+    if along < 0.0:
+        for j in range(SIZE):
+            t[j] = -t[j]
+    return regular
+
+
+@inlined
+def _covector(world, t, hold):
+    """The covector that measures arc length along t."""
+    for j in range(SIZE):
+        hold[j] = t[j] / world.scale[j] ** 2
+
+
+@inlined
+def _sense(task, t):
+    """The sense in which the velocity finger turns along t; 0 when either finger may drive."""
+    return 0.0 if task.driver < 0 else np.sign(t[joint(task.driver)])
+
+
+@kernel
+def _keep(world, on, task, q, t, samples, count):
+    """Make q, t and their statics a sample. Returns how many there are now."""
+    statics_at(world, on, q, t, task.friction, samples.statics[count])
+    for j in range(SIZE):
+        samples.configurations[count, j], samples.tangents[count, j] = q[j], t[j]
+    return count + 1
+
+
+@kernel
+def statics_at(world, on, q, tangent, friction, out):
+    """Fill out (2, 4): per torque-controlled finger (τ_min, τ_max) frictionless and (τ_min, τ_max) with and without friction.
+
+    Moving along `tangent`, friction acts against the sliding of each contact. on.rows are those at q.
     """
-    worst, event, which = -np.inf, 0, 0
-    gap_table(obj, palm, fingers, corners, q, gaps, table_codes)
-    for e in range(gaps.shape[0]):
-        if not skip[e] and -gaps[e] > worst:
-            worst, event, which = -gaps[e], CLOSED, table_codes[e]
-    frame = frame_of(q)
-    for i in range(codes.shape[0]):
-        _, _, _, _, _, along, length = contact_in(obj, palm, fingers, codes[i], q, frame)
-        past = max(-along, along - length)
-        if past > worst:
-            worst, event, which = past, EDGE_END, codes[i]
+    load_at(world.load, world.finger_moment, q, on.load)
+    tangent_rows(world.obj, world.palm, world.fingers, on.codes, q, on.slides)
+    tilt_rows(on.rows, on.slides, tangent, friction, on.tilted)
     for side in range(2):
-        past = max(limits[side, 0] - q[3 + side], q[3 + side] - limits[side, 1])
-        if past > worst:
-            worst, event, which = past, JOINT_LIMIT, side
-    return worst, event, which
-
-
-@allocating
-def statics_at(
-    obj, palm, fingers, codes, q, tangent, load, finger_moment, torque_limits, friction, rows, out
-):
-    """Fill out (2, 4): per torque-controlled finger (τ_min, τ_max) frictionless and (τ_min, τ_max) good with and without friction.
-
-    Moving along `tangent`, friction acts against the sliding of each contact.
-    """
-    here = np.empty(5)
-    load_at(load, finger_moment, q, here)
-    forces = np.empty((4, 2))
-    slides = np.empty((4, 5))
-    tilted = np.empty((4, 5))
-    tangent_rows(obj, palm, fingers, codes, q, slides)
-    tilt_rows(rows, slides, tangent, friction, tilted)
-    for side in range(2):
-        low, high, _ = torque_interval(rows, here, torque_limits, 3 + side, forces)
+        column, limits = joint(side), world.torque_limits
+        low, high, _ = torque_interval(on.rows, on.load, limits, column, on.forces)
         out[side, 0], out[side, 1] = low, high
-        low2, high2, _ = torque_interval(tilted, here, torque_limits, 3 + side, forces)
+        low2, high2, _ = torque_interval(on.tilted, on.load, limits, column, on.forces)
         out[side, 2], out[side, 3] = max(low, low2), min(high, high2)
+
+
+@inlined
+def _not_in_equilibrium(on, task, q, t, statics):
+    """CAGED or NO_EQUILIBRIUM where no torque of either finger holds the object, else 0."""
+    if statics[0, 0] <= statics[0, 1] or statics[1, 0] <= statics[1, 1]:
+        return 0
+    if touches_palm(on.codes) and in_cage(task.cages, q[ROTATION]) and t[ROTATION] > 0.0:
+        return CAGED
+    return NO_EQUILIBRIUM
 
 
 @kernel
 def touches_palm(codes):
+    """Whether a vertex of the object is on the palm."""
     for i in range(codes.shape[0]):
-        if pair_body(codes[i]) == 0 and pair_kind(codes[i]) == 0:
+        if pair_body(codes[i]) == PALM and pair_kind(codes[i]) == VERTEX_EDGE:
             return True
     return False
 
 
-@allocating
-def trace_arc(
-    obj,
-    palm,
-    fingers,
-    corners,
-    scale,
-    limits,
-    load,
-    finger_moment,
-    torque_limits,
-    friction,
-    cages,
-    codes,
-    q0,
-    toward,
-    driver,
-    qs,
-    tangents,
-    statics,
-):
-    """Follow the arc on which the pairs `codes` (4,) stay closed from q0 (5,) towards the side of `toward` (5,).
-
-    scale: (5,) coordinates per unit of arc length; limits: (2, 2) joint limits; load, finger_moment, torque_limits: see statics;
-    friction: coefficient for the robust range; cages: (c, 2) intervals of φ in which gravity alone turns the object on to rest, and equilibrium may be lost;
-    driver: 0 or 1, the velocity-controlled finger, whose direction must not reverse, or −1 for either.
-    Fills qs (m, 5), tangents (m, 5), statics (m, 2, 4). Returns (samples, event, pair or index).
-    """
-    size = table_size(obj, palm, corners)
-    gaps, table_codes, skip = np.empty(size), np.empty(size, np.int64), np.zeros(size, np.bool_)
-    for i in range(4):
-        skip[entry_of(obj, palm, corners, codes[i])] = True
-    rows, pair_gaps = np.empty((4, 5)), np.empty(4)
-    q, t, tn, qn = q0.copy(), np.empty(5), np.empty(5), np.empty(5)
-    touching = touches_palm(codes)
-    reference = toward.copy()
-
-    if not project(
-        obj,
-        palm,
-        fingers,
-        codes,
-        q,
-        _hold(obj, palm, fingers, codes, q, scale, rows, pair_gaps, t),
-        rows,
-        pair_gaps,
-    ):
-        return 0, BLOCKED, 0
-    if null_vector(rows, scale, t) < 1e-9:
-        return 0, SINGULAR, 0
-    _orient(t, reference, scale)
-    first = overshoot(obj, palm, fingers, corners, codes, limits, q, skip, gaps, table_codes)[0]
-    if first > 1e-7:
-        return 0, BLOCKED, 0
-    if _blocked_at_start(obj, palm, fingers, corners, codes, limits, q, t, skip, gaps, table_codes):
-        return 0, BLOCKED, 0
-    count, step = 0, FIRST_STEP
-    start_sign = 0.0 if driver < 0 else np.sign(t[3 + driver])
-    if driver >= 0 and abs(t[3 + driver]) < 1e-6:
-        return 0, SINGULAR, 0
-    while True:
-        statics_at(
-            obj,
-            palm,
-            fingers,
-            codes,
-            q,
-            t,
-            load,
-            finger_moment,
-            torque_limits,
-            friction,
-            rows,
-            statics[count],
-        )
-        qs[count], tangents[count] = q, t
-        count += 1
-        if (
-            statics[count - 1, 0, 0] > statics[count - 1, 0, 1]
-            and statics[count - 1, 1, 0] > statics[count - 1, 1, 1]
-        ):
-            if touching and in_cage(cages, q[2]) and t[2] > 0.0:
-                return count, CAGED, 0
-            return count, NO_EQUILIBRIUM, 0
-        if count == qs.shape[0]:
-            return count, TOO_LONG, 0
-        while True:
-            for j in range(5):
-                qn[j] = q[j] + step * t[j]
-            good = project(obj, palm, fingers, codes, qn, _scaled(t, scale), rows, pair_gaps)
-            if good:
-                good = null_vector(rows, scale, tn) > 1e-9
-            if good:
-                _orient(tn, t, scale)
-                turn = 0.0
-                for j in range(5):
-                    turn += ((tn[j] - t[j]) / scale[j]) ** 2
-                good = turn < LARGEST_TURN**2
-            if good:
-                break
-            step *= 0.4
-            if step < SMALLEST_STEP:
-                return count, SINGULAR, 0
-        if driver >= 0 and np.sign(tn[3 + driver]) != start_sign:
-            return count, SINGULAR, 0
-        past, event, which = overshoot(
-            obj, palm, fingers, corners, codes, limits, qn, skip, gaps, table_codes
-        )
-        if past > EVENT_TOLERANCE:
-            event, which = _locate(
-                obj,
-                palm,
-                fingers,
-                corners,
-                codes,
-                limits,
-                scale,
-                q,
-                t,
-                step,
-                past,
-                event,
-                which,
-                qn,
-                skip,
-                gaps,
-                table_codes,
-                rows,
-                pair_gaps,
-            )
-            null_vector(rows, scale, tn)
-            _orient(tn, t, scale)
-            if count == qs.shape[0]:
-                return count, TOO_LONG, 0
-            statics_at(
-                obj,
-                palm,
-                fingers,
-                codes,
-                qn,
-                tn,
-                load,
-                finger_moment,
-                torque_limits,
-                friction,
-                rows,
-                statics[count],
-            )
-            qs[count], tangents[count] = qn, tn
-            count += 1
-            return count, event, which
-        q[:], t[:] = qn, tn
-        step = min(1.7 * step, LARGEST_STEP)
-
-
 @kernel
 def in_cage(cages, angle):
+    """Whether one of the intervals (c, 2) holds an angle [rad]."""
     for k in range(cages.shape[0]):
         if cages[k, 0] <= angle <= cages[k, 1]:
             return True
     return False
 
 
-@allocating
-def _scaled(t, scale):
-    """The covector that measures arc length along t."""
-    out = np.empty(5)
-    for j in range(5):
-        out[j] = t[j] / scale[j] ** 2
-    return out
-
-
-@allocating
-def _hold(obj, palm, fingers, codes, q, scale, rows, gaps, t):
-    normal_rows(obj, palm, fingers, codes, q, rows, gaps)
-    null_vector(rows, scale, t)
-    return _scaled(t, scale)
-
-
 @kernel
-def _orient(t, reference, scale):
-    dot = 0.0
-    for j in range(5):
-        dot += t[j] * reference[j] / scale[j] ** 2
-    if dot < 0.0:
-        for j in range(5):
-            t[j] = -t[j]
+def overshoot(world, on, q):
+    """The `Event` of the most violated inequality at q."""
+    worst, kind, which = -np.inf, 0, 0
+    gaps, limits = on.gaps, world.limits
+    gap_table(world.obj, world.palm, world.fingers, world.corners, q, gaps, on.table_codes)
+    for e in range(gaps.shape[0]):
+        if not on.member[e] and -gaps[e] > worst:
+            worst, kind, which = -gaps[e], CLOSED, on.table_codes[e]
+    frame = frame_of(q)
+    for i in range(on.codes.shape[0]):
+        along, length = _along(world, on.codes[i], q, frame)
+        past = max(-along, along - length)
+        if past > worst:
+            worst, kind, which = past, EDGE_END, on.codes[i]
+    for side in range(2):
+        past = max(limits[side, 0] - q[joint(side)], q[joint(side)] - limits[side, 1])
+        if past > worst:
+            worst, kind, which = past, JOINT_LIMIT, side
+    return Event(worst, kind, which)
+
+
+@inlined
+def _along(world, code, q, frame):
+    """(position of the contact point along its edge, length of the edge) [m]."""
+    _, _, _, _, _, along, length = contact_in(world.obj, world.palm, world.fingers, code, q, frame)
+    return along, length
 
 
 @allocating
-def _blocked_at_start(obj, palm, fingers, corners, codes, limits, q, t, skip, gaps, table_codes):
+def _blocked_at_start(world, on, q, t):
     """Whether a feature that is closed at q, but not one of the pairs, would penetrate when moving along t."""
-    probe = q + 1e-6 * t
-    rate_limit = 1e-6 * 1e-4
-    gap_table(obj, palm, fingers, corners, q, gaps, table_codes)
+    probe, gaps, codes = q + PROBE * t, on.gaps, on.table_codes
+    gap_table(world.obj, world.palm, world.fingers, world.corners, q, gaps, codes)
     before = gaps.copy()
-    gap_table(obj, palm, fingers, corners, probe, gaps, table_codes)
+    gap_table(world.obj, world.palm, world.fingers, world.corners, probe, gaps, codes)
     for e in range(gaps.shape[0]):
-        if not skip[e] and before[e] < 1e-7 and gaps[e] - before[e] < -rate_limit:
+        closing = gaps[e] - before[e] < -1e-4 * PROBE
+        if not on.member[e] and before[e] < START_TOLERANCE and closing:
             return True
     for side in range(2):
-        if q[3 + side] <= limits[side, 0] + 1e-9 and t[3 + side] < 0.0:
+        j, low, high = joint(side), world.limits[side, 0], world.limits[side, 1]
+        if (q[j] <= low + 1e-9 and t[j] < 0.0) or (q[j] >= high - 1e-9 and t[j] > 0.0):
             return True
-        if q[3 + side] >= limits[side, 1] - 1e-9 and t[3 + side] > 0.0:
-            return True
+    frame, frame_ahead = frame_of(q), frame_of(probe)
     for i in range(4):
-        _, _, _, _, _, along, length = contact(obj, palm, fingers, codes[i], q)
-        _, _, _, _, _, later, _ = contact(obj, palm, fingers, codes[i], probe)
+        along, length = _along(world, on.codes[i], q, frame)
+        later, _ = _along(world, on.codes[i], probe, frame_ahead)
         if (along < 1e-8 and later < along) or (along > length - 1e-8 and later > along):
             return True
     return False
 
 
-@allocating
-def _locate(
-    obj,
-    palm,
-    fingers,
-    corners,
-    codes,
-    limits,
-    scale,
-    q,
-    t,
-    step,
-    past,
-    event,
-    which,
-    qn,
-    skip,
-    gaps,
-    table_codes,
-    rows,
-    pair_gaps,
-):
-    """Shrink [0, step] around the first instant at which the worst inequality is violated; qn receives the configuration."""
-    low, high = 0.0, step
-    value_low = overshoot(obj, palm, fingers, corners, codes, limits, q, skip, gaps, table_codes)[0]
-    value_high = past
-    hold = _scaled(t, scale)
+@kernel
+def _locate(world, on, q, t, length, past, qn):
+    """Shrink [0, length] around the first instant at which the worst inequality is violated, by regula falsi and every third
+    time by halving; qn receives the configuration. past: the event at `length`. Returns the event."""
+    low, high = 0.0, length
+    value_low, value_high = overshoot(world, on, q).amount, past.amount
+    _covector(world, t, on.hold)
     for k in range(60):
         middle = 0.5 * (low + high)
         if k % 3 != 2 and value_low < 0.0 and value_high > value_low:
             middle = low + (high - low) * (-value_low) / (value_high - value_low)
             middle = min(max(middle, low + 0.01 * (high - low)), high - 0.01 * (high - low))
-        for j in range(5):
-            qn[j] = q[j] + middle * t[j]
-        if not project(obj, palm, fingers, codes, qn, hold, rows, pair_gaps):
+        if not _projected(world, on, q, t, middle, qn):
             high = middle
             continue
-        value, e, w = overshoot(
-            obj, palm, fingers, corners, codes, limits, qn, skip, gaps, table_codes
-        )
-        if value > 0.0:
-            high, value_high, event, which = middle, value, e, w
-            if value < EVENT_TOLERANCE:
+        found = overshoot(world, on, qn)
+        if found.amount > 0.0:
+            high, value_high, past = middle, found.amount, found
+            if found.amount < EVENT_TOLERANCE:
                 break
         else:
-            low, value_low = middle, value
+            low, value_low = middle, found.amount
         if high - low < 1e-13:
             break
-    for j in range(5):
-        qn[j] = q[j] + high * t[j]
-    project(obj, palm, fingers, codes, qn, hold, rows, pair_gaps)
-    if event == CLOSED:  # a vertex that meets a vertex seems to close a pair, too
-        for i in range(codes.shape[0]):
-            _, _, _, _, _, along, length = contact(obj, palm, fingers, codes[i], qn)
-            if (along < SAME_POINT or along > length - SAME_POINT) and pair_body(
-                codes[i]
-            ) == pair_body(which):
-                return EDGE_END, codes[i]
-    return event, which
+    _projected(world, on, q, t, high, qn)
+    return _named(world, on, qn, past)
+
+
+@inlined
+def _named(world, on, q, event):
+    """The event at q; a vertex that meets a vertex seems to close a pair, but it is the end of an edge."""
+    if event.kind == CLOSED:
+        frame = frame_of(q)
+        for i in range(on.codes.shape[0]):
+            along, length = _along(world, on.codes[i], q, frame)
+            at_end = along < SAME_POINT or along > length - SAME_POINT
+            if at_end and pair_body(on.codes[i]) == pair_body(event.which):
+                return Event(event.amount, EDGE_END, on.codes[i])
+    return event
 
 
 @kernel
-def next_pair_at_end(obj, palm, fingers, code, q):
+def next_pair_at_end(world, code, q):
     """The pair that replaces `code` when its contact point has come to the end of its edge (X_through).
 
     At the vertex–vertex instant the boundary of the contact's C-obstacle turns from one patch to the next: the next one is
     that whose normal comes first when the present normal turns towards the direction in which the object leaves the edge.
     Returns −1 when there is none (a finger's base, the palm's end with nothing beyond).
     """
-    body, hf, of = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
-    n = obj.shape[0]
-    frame = frame_of(q)
-    _, _, nx, ny, _, along, length = contact_in(obj, palm, fingers, code, q, frame)
-    at_end = along > 0.5 * length
-    if pair_kind(code) == 0:
-        vertex = of
-        _, _, dx, dy, _, _, _ = hand_edge(palm, fingers, body, hf, frame)
-        corner = _hand_corner_at(body, hf, at_end)
-        if not at_end:
-            dx, dy = -dx, -dy
-    else:
-        vertex = (of + 1) % n if at_end else of
-        _, _, dx, dy, _, _, _ = object_edge(obj, of, q, frame)
-        if at_end:
-            dx, dy = -dx, -dy
-        corner = hf
-    if corner < 0:
-        return -1
+    body, frame, n = pair_body(code), frame_of(q), world.obj.shape[0]
+    _, _, nx, ny, _, _, _ = contact_in(world.obj, world.palm, world.fingers, code, q, frame)
+    vertex, corner, dx, dy = _meeting(world, code, q, frame)
     best, angle = -1, np.pi
+    if corner < 0:
+        return best
     for k in range(4):
         if k < 2:
             j = vertex if k == 0 else (vertex - 1) % n
             candidate = pair_code(1, body, corner, j)
-            _, _, _, _, mx, my, _ = object_edge(obj, j, q, frame)
+            _, _, _, _, mx, my, _ = object_edge(world.obj, j, q, frame)
             mx, my = -mx, -my
         else:
-            edge = _hand_edge_at(palm, body, corner, k - 2)
+            edge = _hand_edge_at(world.palm, body, corner, k - 2)
             if edge < 0:
                 continue
             candidate = pair_code(0, body, edge, vertex)
-            _, _, _, _, mx, my, _ = hand_edge(palm, fingers, body, edge, frame)
-        if candidate == code:
-            continue
+            _, _, _, _, mx, my, _ = hand_edge(world.palm, world.fingers, body, edge, frame)
         turned = np.arctan2(dx * mx + dy * my, nx * mx + ny * my)
-        if -PARALLEL < turned < angle:
+        if candidate != code and -PARALLEL < turned < angle:
             best, angle = candidate, turned
     return best
+
+
+@inlined
+def _meeting(world, code, q, frame):
+    """(object vertex, hand corner or −1, direction x, y in which the object leaves the edge) of a contact at its edge's end."""
+    body, hand, mine = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
+    along, length = _along(world, code, q, frame)
+    at_end = along > 0.5 * length
+    if pair_kind(code) == VERTEX_EDGE:
+        _, _, dx, dy, _, _, _ = hand_edge(world.palm, world.fingers, body, hand, frame)
+        vertex, corner, outwards = mine, _hand_corner_at(body, hand, at_end), at_end
+    else:
+        _, _, dx, dy, _, _, _ = object_edge(world.obj, mine, q, frame)
+        vertex = (mine + 1) % world.obj.shape[0] if at_end else mine
+        corner, outwards = hand, not at_end
+    return vertex, corner, dx if outwards else -dx, dy if outwards else -dy
 
 
 @kernel
@@ -473,75 +466,63 @@ def _hand_edge_at(palm, body, corner, k):
     return 0 if corner == 0 else 2
 
 
+class FollowedCourse(NamedTuple):
+    """What is filled in at angles of the velocity finger: configurations: (k, 5); statics: (k, 2, 4), see `statics_at`;
+    gains: (k, 2): the velocity finger's equilibrium torque is gains[:, 0] + gains[:, 1] τ_T [N m]."""
+
+    configurations: np.ndarray
+    statics: np.ndarray
+    gains: np.ndarray
+
+
+class Following(NamedTuple):
+    """What is followed: codes: (4,) pairs that stay closed; samples: (m, 5) along their arc, θ_V monotone; driver: 0 or 1, the
+    velocity-controlled finger; friction: coefficient for the robust range."""
+
+    codes: np.ndarray
+    samples: np.ndarray
+    driver: int
+    friction: float
+
+
 @allocating
-def follow(
-    obj,
-    palm,
-    fingers,
-    codes,
-    samples,
-    driver,
-    thetas,
-    load,
-    finger_moment,
-    torque_limits,
-    friction,
-    out,
-    statics,
-    gains,
-):
+def follow(world, following, thetas, course):
     """Configurations on an arc at given angles of the velocity-controlled finger (forward kinematics, MAIN_TRAJECTORY step 6).
 
-    samples: (m, 5) along the arc, θ_V monotone; thetas: (k,) in the same order. Fills out (k, 5), statics (k, 2, 4) as
-    `statics_at`, gains (k, 2): the velocity finger's equilibrium torque is gains[:, 0] + gains[:, 1] τ_T.
+    thetas: (k,) [rad] in the order of the samples; course: see `FollowedCourse`.
     Returns the number of configurations found; fewer than k when Newton fails.
     """
-    rows, gaps, t, hold, forces = (
-        np.empty((4, 5)),
-        np.empty(4),
-        np.empty(5),
-        np.zeros(5),
-        np.empty((4, 2)),
-    )
-    here = np.empty(5)
-    hold[3 + driver] = 1.0
-    column = 3 + driver
+    on, one, t = new_manifold(world, following.codes), np.ones(SIZE), np.empty(SIZE)
+    samples, column, i = following.samples, joint(following.driver), 0
+    on.hold[:] = 0.0
+    on.hold[column] = 1.0
     rising = samples[samples.shape[0] - 1, column] > samples[0, column]
-    i = 0
-    one = np.ones(5)
     for k in range(thetas.shape[0]):
         while i < samples.shape[0] - 2 and (samples[i + 1, column] < thetas[k]) == rising:
             i += 1
         span = samples[i + 1, column] - samples[i, column]
         u = (thetas[k] - samples[i, column]) / span if abs(span) > 1e-12 else 0.0
-        for j in range(5):
-            out[k, j] = (1.0 - u) * samples[i, j] + u * samples[i + 1, j]
-        out[k, column] = thetas[k]
-        if not project(obj, palm, fingers, codes, out[k], hold, rows, gaps):
+        q = course.configurations[k]
+        for j in range(SIZE):
+            q[j] = (1.0 - u) * samples[i, j] + u * samples[i + 1, j]
+        q[column] = thetas[k]
+        if not project(world, on, q, on.hold):
             return k
-        normal_rows(obj, palm, fingers, codes, out[k], rows, gaps)
-        null_vector(rows, one, t)
+        null_vector(on.rows, one, t)
         if (t[column] > 0.0) != rising:
-            for j in range(5):
+            for j in range(SIZE):
                 t[j] = -t[j]
-        statics_at(
-            obj,
-            palm,
-            fingers,
-            codes,
-            out[k],
-            t,
-            load,
-            finger_moment,
-            torque_limits,
-            friction,
-            rows,
-            statics[k],
-        )
-        load_at(load, finger_moment, out[k], here)
-        equilibrium_forces(rows, here, 4 - driver, forces)
-        gains[k, 0], gains[k, 1] = here[column], 0.0
-        for c in range(4):
-            gains[k, 0] -= rows[c, column] * forces[c, 0]
-            gains[k, 1] -= rows[c, column] * forces[c, 1]
+        statics_at(world, on, q, t, following.friction, course.statics[k])
+        _velocity_torque(on, following.driver, course.gains[k])
     return thetas.shape[0]
+
+
+@kernel
+def _velocity_torque(on, driver, gains):
+    """gains (2,): the velocity finger's equilibrium torque is gains[0] + gains[1] τ_T, from the rows and load looked at last."""
+    column = joint(driver)
+    equilibrium_forces(on.rows, on.load, joint(1 - driver), on.forces)
+    gains[0], gains[1] = on.load[column], 0.0
+    for c in range(4):
+        gains[0] -= on.rows[c, column] * on.forces[c, 0]
+        gains[1] -= on.rows[c, column] * on.forces[c, 1]

@@ -8,6 +8,7 @@ from wholearm_ros.kernels import arc_tracing
 from wholearm_ros.kernels.linear import null_vector
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.torque_range import ROBUST_FRICTION
+from wholearm_ros.model.configuration import SIZE
 from wholearm_ros.model.trajectory import QUASI_STATIC
 from wholearm_ros.planning.problem import PlanningProblem
 
@@ -87,34 +88,16 @@ def trace(
 
     driver: the finger that must not reverse, LEFT or RIGHT, or −1 when either may.
     """
-    w = problem.world
-    qs, ts, st = (
-        np.empty((MOST_SAMPLES, 5)),
-        np.empty((MOST_SAMPLES, 5)),
+    samples = arc_tracing.ArcSamples(
+        np.empty((MOST_SAMPLES, SIZE)),
+        np.empty((MOST_SAMPLES, SIZE)),
         np.empty((MOST_SAMPLES, 2, 4)),
     )
-    count, event, which = arc_tracing.trace_arc(
-        *w.geometry,
-        w.corners,
-        w.scale,
-        w.limits,
-        w.load,
-        w.finger_moment,
-        w.torque_limits,
-        ROBUST_FRICTION,
-        problem.cage_intervals,
-        np.array(pairs, dtype=np.int64),
-        q,
-        toward,
-        driver,
-        qs,
-        ts,
-        st,
-    )
-    arc = Arc(
-        QUASI_STATIC, pairs, qs[:count].copy(), ts[:count].copy(), st[:count].copy(), EVENTS[event]
-    )
-    return arc, event, which
+    codes = np.array(pairs, dtype=np.int64)
+    task = arc_tracing.ArcTask(codes, q, toward, driver, ROBUST_FRICTION, problem.cage_intervals)
+    count, event, which = arc_tracing.trace_arc(problem.world, task, samples)
+    q, t, statics = (rows[:count].copy() for rows in samples)
+    return Arc(QUASI_STATIC, pairs, q, t, statics, EVENTS[event]), event, which
 
 
 def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Arc | None:
@@ -177,6 +160,6 @@ def _projected(problem: PlanningProblem, arc: Arc, i: int, u: float) -> np.ndarr
     """
     q, codes = _between(arc.configurations, i, u), np.array(arc.pairs, dtype=np.int64)
     hold = _between(arc.tangents, i, u) / problem.world.scale**2
-    rows, gaps = np.empty((4, 5)), np.empty(4)
-    converged = arc_tracing.project(*problem.world.geometry, codes, q, hold, rows, gaps)
+    manifold = arc_tracing.new_manifold(problem.world, codes)
+    converged = arc_tracing.project(problem.world, manifold, q, hold)
     return q if converged else None

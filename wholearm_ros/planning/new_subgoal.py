@@ -84,7 +84,7 @@ def new_subgoal(
                 return (*ends, Expansion(tuple(done), NEW_Y, after))
         if event != arc_tracing.EDGE_END:  # step 5
             break
-        following = int(arc_tracing.next_pair_at_end(*problem.world.geometry, which, q))
+        following = int(arc_tracing.next_pair_at_end(problem.world, which, q))
         if following < 0 or following in pairs:
             break
         pairs = tuple(sorted(following if c == which else c for c in pairs))  # step 9: X_through

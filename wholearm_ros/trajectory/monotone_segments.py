@@ -117,21 +117,10 @@ def follow(world: World, piece: Piece, thetas: np.ndarray) -> Followed:
     this scenario).
     """
     k, driver = len(thetas), piece.velocity_finger
-    out, statics, gains = np.empty((k, SIZE)), np.empty((k, 2, 4)), np.empty((k, 2))
-    done = arc_tracing.follow(
-        *world.geometry,
-        np.array(piece.pairs, dtype=np.int64),
-        piece.samples,
-        driver,
-        thetas,
-        world.load,
-        world.finger_moment,
-        world.torque_limits,
-        ROBUST_FRICTION,
-        out,
-        statics,
-        gains,
-    )
+    course = arc_tracing.FollowedCourse(np.empty((k, SIZE)), np.empty((k, 2, 4)), np.empty((k, 2)))
+    pairs = np.array(piece.pairs, dtype=np.int64)
+    following = arc_tracing.Following(pairs, piece.samples, driver, ROBUST_FRICTION)
+    done = arc_tracing.follow(world, following, thetas, course)
     if done < k:
         raise ValueError(f'contacts cannot be kept closed at θ_V = {thetas[done]:.4f} rad')
-    return Followed(out, statics[:, 1 - driver], gains)
+    return Followed(course.configurations, course.statics[:, 1 - driver], course.gains)
