@@ -1,6 +1,8 @@
-"""The few compiled loops. Plain functions of arrays; each has a slow, obvious twin in `test/kernels`.
+"""The few compiled loops. Plain functions of arrays; each has a slow, obvious twin in
+`test/kernels`.
 
-Numba is imported when the first kernel is made, so that `kernels/control_law.py` costs a controller node no compiler.
+Numba is imported when the first kernel is made, so that `kernels/control_law.py` costs a controller
+node no compiler.
 """
 
 from contextlib import suppress
@@ -18,10 +20,11 @@ SOURCES = (
 
 
 def kernel(function):
-    """Compile once, keep on disk: a second process starts without compiling. It runs beside other threads.
+    """Compile once, keep on disk: a second process starts without compiling. It runs beside other
+    threads.
 
-    It works on arrays that it is given and makes none, so nothing counts references to them: half of the time of a simulated
-    step went into that. What makes arrays is an `allocating` kernel.
+    It works on arrays that it is given and makes none, so nothing counts references to them: half
+    of the time of a simulated step went into that. What makes arrays is an `allocating` kernel.
     """
     return _compiled(function, _nrt=False)
 
@@ -33,7 +36,8 @@ def allocating(function):
 
 @cache
 def inlined(function):
-    """A kernel that becomes part of those that call it: a small one, or one that takes a whole world in an inner loop.
+    """A kernel that becomes part of those that call it: a small one, or one that takes a whole
+    world in an inner loop.
 
     The plain functions that it calls are compiled with it.
     """
@@ -65,7 +69,8 @@ def _compiled(function, **options):
 def forget_stale_code() -> bool:
     """Delete what was compiled of other sources; whether there was any. Once a process.
 
-    Numba looks at a kernel's own file only: a kernel that calls one of another file would go on with the old one.
+    Numba looks at a kernel's own file only: a kernel that calls one of another file would go on
+    with the old one.
     """
     files = [
         f

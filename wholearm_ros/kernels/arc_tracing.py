@@ -1,4 +1,6 @@
-"""One-dimensional arcs of configurations on which four contacts stay closed: predictor–corrector, ended by the first event."""
+"""One-dimensional arcs of configurations on which four contacts stay closed: predictor–corrector,
+ended by the first event.
+"""
 
 from typing import NamedTuple
 
@@ -46,9 +48,11 @@ PROBE = 1e-6  # of the scaled arc length, by which it is seen what a motion does
 
 
 class ArcTask(NamedTuple):
-    """Which arc: codes: (4,) pairs that stay closed; start: (5,); toward: (5,), to the side of which it goes; driver: 0 or 1,
-    the velocity-controlled finger, whose direction must not reverse, or −1 for either; friction: coefficient for the robust
-    range; cages: (c, 2) intervals of φ [rad] in which gravity alone turns the object on to rest, and equilibrium may be lost.
+    """Which arc: codes: (4,) pairs that stay closed; start: (5,); toward: (5,), to the side of
+    which it goes; driver: 0 or 1, the velocity-controlled finger, whose direction must not
+    reverse, or −1 for either; friction: coefficient for the robust range; cages: (c, 2)
+    intervals of φ [rad] in which gravity alone turns the object on to rest, and equilibrium may
+    be lost.
     """
 
     codes: np.ndarray
@@ -60,7 +64,9 @@ class ArcTask(NamedTuple):
 
 
 class ArcSamples(NamedTuple):
-    """What is filled in along an arc: configurations, tangents: (m, 5); statics: (m, 2, 4), see `statics_at`."""
+    """What is filled in along an arc: configurations, tangents: (m, 5); statics: (m, 2, 4), see
+    `statics_at`.
+    """
 
     configurations: np.ndarray
     tangents: np.ndarray
@@ -68,7 +74,9 @@ class ArcSamples(NamedTuple):
 
 
 class Event(NamedTuple):
-    """The most violated inequality: amount > 0 when violated [m or rad], its kind, and its pair or joint."""
+    """The most violated inequality: amount > 0 when violated [m or rad], its kind, and its pair or
+    joint.
+    """
 
     amount: float
     kind: int
@@ -76,10 +84,12 @@ class Event(NamedTuple):
 
 
 class Manifold(NamedTuple):
-    """The configurations on which the pairs codes (4,) are closed. member: (n,) entries of the gap table that they are.
+    """The configurations on which the pairs codes (4,) are closed. member: (n,) entries of the gap
+    table that they are.
 
-    Of the configuration that was looked at last: rows: (4, 5) and pair_gaps: (4,) of the pairs, gaps and table_codes: (n,) of the
-    gap table. The rest is room: newton: (5, 5), update: (5, 1), hold, load: (5,), slides, tilted: (4, 5), forces: (4, 2).
+    Of the configuration that was looked at last: rows: (4, 5) and pair_gaps: (4,) of the pairs,
+    gaps and table_codes: (n,) of the gap table. The rest is room: newton: (5, 5), update: (5, 1),
+    hold, load: (5,), slides, tilted: (4, 5), forces: (4, 2).
     """
 
     codes: np.ndarray
@@ -155,7 +165,9 @@ def trace_arc(world, task, samples):
 
 @kernel
 def _begin(world, on, task, q, t):
-    """Bring q onto the manifold and find the tangent t there. Returns why there is no arc from there, or 0."""
+    """Bring q onto the manifold and find the tangent t there. Returns why there is no arc from
+    there, or 0.
+    """
     normal_rows(world.obj, world.palm, world.fingers, on.codes, q, on.rows, on.pair_gaps)
     null_vector(on.rows, world.scale, t)
     _covector(world, t, on.hold)
@@ -172,7 +184,9 @@ def _begin(world, on, task, q, t):
 
 @kernel
 def project(world, on, q, hold):
-    """Newton on gap = 0 of the four pairs, moving q orthogonally to `hold` (5,). Returns True when it converged."""
+    """Newton on gap = 0 of the four pairs, moving q orthogonally to `hold` (5,). Returns True when
+    it converged.
+    """
     rows, gaps, newton, update = on.rows, on.pair_gaps, on.newton, on.update
     for _ in range(12):
         normal_rows(world.obj, world.palm, world.fingers, on.codes, q, rows, gaps)
@@ -199,8 +213,10 @@ def project(world, on, q, hold):
 
 @kernel
 def _predict_and_correct(world, on, q, t, length, qn, tn):
-    """A step of at most `length` along t, brought back onto the manifold: qn, and the tangent tn there. Shorter where Newton
-    fails or the tangent turns too much. Returns the length of the step, 0 when even the smallest one fails."""
+    """A step of at most `length` along t, brought back onto the manifold: qn, and the tangent tn
+    there. Shorter where Newton fails or the tangent turns too much. Returns the length of the
+    step, 0 when even the smallest one fails.
+    """
     while True:
         _covector(world, t, on.hold)
         if _projected(world, on, q, t, length, qn) and _tangent(world, on, t, tn):
@@ -216,7 +232,7 @@ def _predict_and_correct(world, on, q, t, length, qn, tn):
 
 @inlined
 def _projected(world, on, q, t, length, qn):
-    """qn: q moved by `length` along t and brought back onto the manifold. Whether that converged."""
+    """qn: q moved by `length` along t and brought back onto the manifold. Whether it converged."""
     for j in range(SIZE):
         qn[j] = q[j] + length * t[j]
     return project(world, on, qn, on.hold)
@@ -224,7 +240,9 @@ def _projected(world, on, q, t, length, qn):
 
 @kernel
 def _tangent(world, on, toward, t):
-    """Fill t (5,) with the unit tangent to the side of `toward`. Whether there is one: the rows have rank four."""
+    """Fill t (5,) with the unit tangent to the side of `toward`. Whether there is one: the rows
+    have rank four.
+    """
     regular, along = null_vector(on.rows, world.scale, t) >= RANK_FOUR, 0.0
     for j in range(SIZE):
         along += t[j] * toward[j] / world.scale[j] ** 2
@@ -258,9 +276,11 @@ def _keep(world, on, task, q, t, samples, count):
 
 @kernel
 def statics_at(world, on, q, tangent, friction, out):
-    """Fill out (2, 4): per torque-controlled finger (τ_min, τ_max) frictionless and (τ_min, τ_max) with and without friction.
+    """Fill out (2, 4): per torque-controlled finger (τ_min, τ_max) frictionless and (τ_min, τ_max)
+    with and without friction.
 
-    Moving along `tangent`, friction acts against the sliding of each contact. on.rows are those at q.
+    Moving along `tangent`, friction acts against the sliding of each contact. on.rows are those at
+    q.
     """
     load_at(world.load, world.finger_moment, q, on.load)
     tangent_rows(world.obj, world.palm, world.fingers, on.codes, q, on.slides)
@@ -332,7 +352,9 @@ def _along(world, code, q, frame):
 
 @allocating
 def _blocked_at_start(world, on, q, t):
-    """Whether a feature that is closed at q, but not one of the pairs, would penetrate when moving along t."""
+    """Whether a feature that is closed at q, but not one of the pairs, would penetrate when moving
+    along t.
+    """
     probe, gaps, codes = q + PROBE * t, on.gaps, on.table_codes
     gap_table(world.obj, world.palm, world.fingers, world.corners, q, gaps, codes)
     before = gaps.copy()
@@ -356,8 +378,10 @@ def _blocked_at_start(world, on, q, t):
 
 @kernel
 def _locate(world, on, q, t, length, past, qn):
-    """Shrink [0, length] around the first instant at which the worst inequality is violated, by regula falsi and every third
-    time by halving; qn receives the configuration. past: the event at `length`. Returns the event."""
+    """Shrink [0, length] around the first instant at which the worst inequality is violated, by
+    regula falsi and every third time by halving; qn receives the configuration. past: the event
+    at `length`. Returns the event.
+    """
     low, high = 0.0, length
     value_low, value_high = overshoot(world, on, q).amount, past.amount
     _covector(world, t, on.hold)
@@ -384,7 +408,9 @@ def _locate(world, on, q, t, length, past, qn):
 
 @inlined
 def _named(world, on, q, event):
-    """The event at q; a vertex that meets a vertex seems to close a pair, but it is the end of an edge."""
+    """The event at q; a vertex that meets a vertex seems to close a pair, but it is the end of an
+    edge.
+    """
     if event.kind == CLOSED:
         frame = frame_of(q)
         for i in range(on.codes.shape[0]):
@@ -397,11 +423,13 @@ def _named(world, on, q, event):
 
 @kernel
 def next_pair_at_end(world, code, q):
-    """The pair that replaces `code` when its contact point has come to the end of its edge (X_through).
+    """The pair that replaces `code` when its contact point has come to the end of its edge
+    (X_through).
 
-    At the vertex–vertex instant the boundary of the contact's C-obstacle turns from one patch to the next: the next one is
-    that whose normal comes first when the present normal turns towards the direction in which the object leaves the edge.
-    Returns −1 when there is none (a finger's base, the palm's end with nothing beyond).
+    At the vertex–vertex instant the boundary of the contact's C-obstacle turns from one patch to
+    the next: the next one is that whose normal comes first when the present normal turns towards
+    the direction in which the object leaves the edge. Returns −1 when there is none (a finger's
+    base, the palm's end with nothing beyond).
     """
     body, frame, n = pair_body(code), frame_of(q), world.obj.shape[0]
     _, _, nx, ny, _, _, _ = contact_in(world.obj, world.palm, world.fingers, code, q, frame)
@@ -429,7 +457,9 @@ def next_pair_at_end(world, code, q):
 
 @inlined
 def _meeting(world, code, q, frame):
-    """(object vertex, hand corner or −1, direction x, y in which the object leaves the edge) of a contact at its edge's end."""
+    """(object vertex, hand corner or −1, direction x, y in which the object leaves the edge) of a
+    contact at its edge's end.
+    """
     body, hand, mine = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
     along, length = _along(world, code, q, frame)
     at_end = along > 0.5 * length
@@ -467,8 +497,10 @@ def _hand_edge_at(palm, body, corner, k):
 
 
 class FollowedCourse(NamedTuple):
-    """What is filled in at angles of the velocity finger: configurations: (k, 5); statics: (k, 2, 4), see `statics_at`;
-    gains: (k, 2): the velocity finger's equilibrium torque is gains[:, 0] + gains[:, 1] τ_T [N m]."""
+    """What is filled in at angles of the velocity finger: configurations: (k, 5); statics: (k, 2,
+    4), see `statics_at`; gains: (k, 2): the velocity finger's equilibrium torque is gains[:, 0]
+    + gains[:, 1] τ_T [N m].
+    """
 
     configurations: np.ndarray
     statics: np.ndarray
@@ -476,8 +508,10 @@ class FollowedCourse(NamedTuple):
 
 
 class Following(NamedTuple):
-    """What is followed: codes: (4,) pairs that stay closed; samples: (m, 5) along their arc, θ_V monotone; driver: 0 or 1, the
-    velocity-controlled finger; friction: coefficient for the robust range."""
+    """What is followed: codes: (4,) pairs that stay closed; samples: (m, 5) along their arc, θ_V
+    monotone; driver: 0 or 1, the velocity-controlled finger; friction: coefficient for the
+    robust range.
+    """
 
     codes: np.ndarray
     samples: np.ndarray
@@ -487,10 +521,11 @@ class Following(NamedTuple):
 
 @allocating
 def follow(world, following, thetas, course):
-    """Configurations on an arc at given angles of the velocity-controlled finger (forward kinematics, MAIN_TRAJECTORY step 6).
+    """Configurations on an arc at given angles of the velocity-controlled finger (forward
+    kinematics, MAIN_TRAJECTORY step 6).
 
-    thetas: (k,) [rad] in the order of the samples; course: see `FollowedCourse`.
-    Returns the number of configurations found; fewer than k when Newton fails.
+    thetas: (k,) [rad] in the order of the samples; course: see `FollowedCourse`. Returns the number
+    of configurations found; fewer than k when Newton fails.
     """
     on, one, t = new_manifold(world, following.codes), np.ones(SIZE), np.empty(SIZE)
     samples, column, i = following.samples, joint(following.driver), 0
@@ -519,7 +554,9 @@ def follow(world, following, thetas, course):
 
 @kernel
 def _velocity_torque(on, driver, gains):
-    """gains (2,): the velocity finger's equilibrium torque is gains[0] + gains[1] τ_T, from the rows and load looked at last."""
+    """gains (2,): the velocity finger's equilibrium torque is gains[0] + gains[1] τ_T, from the
+    rows and load looked at last.
+    """
     column = joint(driver)
     equilibrium_forces(on.rows, on.load, joint(1 - driver), on.forces)
     gains[0], gains[1] = on.load[column], 0.0

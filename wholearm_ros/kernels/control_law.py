@@ -1,7 +1,7 @@
 """The control law: what either finger's motor is asked for. Plain formulas that numba can compile.
 
-The nodes and the closed loop without ROS call these functions as they are; `kernels/rollout.py` compiles them. What is
-verified is what is run.
+The nodes and the closed loop without ROS call these functions as they are; `kernels/rollout.py`
+compiles them. What is verified is what is run.
 """
 
 import math
@@ -18,8 +18,9 @@ class PdGains(NamedTuple):
 
 
 class VelocitySetpoint(NamedTuple):
-    """Motion of the velocity-controlled finger. joint: LEFT or RIGHT; angle [rad], velocity [rad/s],
-    feedforward: equilibrium torque [N m], gravity included."""
+    """Motion of the velocity-controlled finger. joint: LEFT or RIGHT; angle [rad], velocity
+    [rad/s], feedforward: equilibrium torque [N m], gravity included.
+    """
 
     joint: int
     angle: float
@@ -28,15 +29,18 @@ class VelocitySetpoint(NamedTuple):
 
 
 class TorqueSetpoint(NamedTuple):
-    """Torque of the torque-controlled finger. joint: LEFT or RIGHT; effort [N m], gravity included."""
+    """Torque of the torque-controlled finger. joint: LEFT or RIGHT; effort [N m], gravity
+    included.
+    """
 
     joint: int
     effort: float
 
 
 class ControlLaw(NamedTuple):
-    """gains of the velocity-controlled finger; slew_limit [N m/s] of the torque-controlled one; period [s] of control and of
-    the physics."""
+    """gains of the velocity-controlled finger; slew_limit [N m/s] of the torque-controlled one;
+    period [s] of control and of the physics.
+    """
 
     gains: PdGains
     slew_limit: float
@@ -47,7 +51,8 @@ HOLD_GAINS = PdGains(60.0, 1.5)  # of the drives' own position hold before the f
 
 
 def pd_effort(gains, limit, setpoint, angle, velocity):
-    """PD feedback [N m] on a VelocitySetpoint for a measured angle [rad] and velocity [rad/s], within ± limit.
+    """PD feedback [N m] on a VelocitySetpoint for a measured angle [rad] and velocity [rad/s],
+    within ± limit.
 
     Zero when a measurement is not finite: without a reading, feedback can only do harm.
     """
@@ -62,7 +67,9 @@ def pd_effort(gains, limit, setpoint, angle, velocity):
 
 
 def slewed_effort(limit, step, wanted, previous):
-    """`wanted` [N m] within ± limit, at most `step` [N m] away from `previous`; not finite, it leaves the effort there."""
+    """`wanted` [N m] within ± limit, at most `step` [N m] away from `previous`; not finite, it
+    leaves the effort there.
+    """
     if not math.isfinite(wanted):
         wanted = previous
     effort = max(previous - step, min(previous + step, wanted))
@@ -70,5 +77,7 @@ def slewed_effort(limit, step, wanted, previous):
 
 
 def holding_effort(gains, weight, held, angle, velocity):
-    """What the drives do without a command [N m]: hold the joint at `held` [rad], its weight m g L / 2 [N m] compensated."""
+    """What the drives do without a command [N m]: hold the joint at `held` [rad], its weight m g L
+    / 2 [N m] compensated.
+    """
     return weight * np.cos(angle) + gains.kp * (held - angle) - gains.kd * velocity

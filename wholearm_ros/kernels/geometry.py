@@ -1,12 +1,14 @@
 """Contact pairs, their gaps and Jacobian rows, and the table of gaps that could close.
 
-A configuration is q = (x, y, φ, θ_L, θ_R): centroid [m], rotation [rad], joint angles [rad].
-A contact pair is one integer, see `pair_code`. Geometry arrays ("world"):
-    obj (n, 5) vertices about the centroid, palm (p, 5) polyline, both with rows (x, y, normal x, y and length of the edge that
-    starts there; the normal points out of the object, and to the free side of the palm),
+A configuration is q = (x, y, φ, θ_L, θ_R): centroid [m], rotation [rad], joint angles [rad]. A
+contact pair is one integer, see `pair_code`. Geometry arrays ("world"):
+    obj (n, 5) vertices about the centroid, palm (p, 5) polyline, both with rows (x, y, normal x, y
+    and length of the edge that starts there; the normal points out of the object, and to the free
+    side of the palm),
     fingers (2, 4) rows (axis x, axis y, length, half width),
     corners (c,) indices of the palm vertices that can touch an object edge.
-Whoever asks for several pairs of one configuration finds its `frame_of` once and calls the functions that end in `_in`.
+Whoever asks for several pairs of one configuration finds its `frame_of` once and calls the
+functions that end in `_in`.
 """
 
 import numpy as np
@@ -27,21 +29,25 @@ def pair_code(kind, body, hand_feature, object_feature):
 
 @kernel
 def pair_kind(code):
+    """VERTEX_EDGE or EDGE_CORNER."""
     return (code >> 20) & 1
 
 
 @kernel
 def pair_body(code):
+    """PALM, LEFT_FINGER or RIGHT_FINGER."""
     return (code >> 16) & 15
 
 
 @kernel
 def pair_hand_feature(code):
+    """Number of the hand's edge or corner."""
     return (code >> 8) & 255
 
 
 @kernel
 def pair_object_feature(code):
+    """Number of the object's vertex or edge."""
     return code & 255
 
 
@@ -100,6 +106,7 @@ def palm_edge(palm, k):
 
 @kernel
 def object_vertex(obj, i, q, frame):
+    """(x, y) of a vertex of the object [m]."""
     c, s = frame[0], frame[1]
     return q[0] + c * obj[i, 0] - s * obj[i, 1], q[1] + s * obj[i, 0] + c * obj[i, 1]
 
@@ -115,6 +122,7 @@ def object_edge(obj, j, q, frame):
 
 @kernel
 def hand_edge(palm, fingers, body, feature, frame):
+    """`palm_edge` or `finger_edge`."""
     if body == 0:
         return palm_edge(palm, feature)
     return finger_edge(fingers, body - 1, feature, frame)
@@ -122,6 +130,7 @@ def hand_edge(palm, fingers, body, feature, frame):
 
 @kernel
 def hand_corner(palm, fingers, body, feature, frame):
+    """(x, y) of a vertex of the palm or of a finger's corner [m]."""
     if body == 0:
         return palm[feature, 0], palm[feature, 1]
     return finger_corner(fingers, body - 1, feature, frame)
@@ -129,7 +138,9 @@ def hand_corner(palm, fingers, body, feature, frame):
 
 @kernel
 def contact(obj, palm, fingers, code, q):
-    """(point x, y, normal towards the object x, y, gap, position along the edge, edge length) of a pair [m]."""
+    """(point x, y, normal towards the object x, y, gap, position along the edge, edge length) of a
+    pair [m].
+    """
     return contact_in(obj, palm, fingers, code, q, frame_of(q))
 
 
@@ -154,7 +165,9 @@ def contact_in(obj, palm, fingers, code, q, frame):
 
 @kernel
 def fill_row(row, px, py, nx, ny, body, fingers, q):
-    """Row of ∂(motion along n at p of object relative to hand)/∂q̇: [nᵀ, n·(p−o)^⊥, −n·(p−axis)^⊥ in the finger's column]."""
+    """Row of ∂(motion along n at p of object relative to hand)/∂q̇: [nᵀ, n·(p−o)^⊥, −n·(p−axis)^⊥
+    in the finger's column].
+    """
     row[0], row[1] = nx, ny
     row[2] = -nx * (py - q[1]) + ny * (px - q[0])
     row[3], row[4] = 0.0, 0.0
@@ -175,7 +188,9 @@ def normal_rows(obj, palm, fingers, codes, q, rows, gaps):
 
 @kernel
 def tangent_rows(obj, palm, fingers, codes, q, rows):
-    """Fill rows (k, 5): sliding speed of the object on the hand is rows @ q̇, along the normal turned by +90°."""
+    """Fill rows (k, 5): sliding speed of the object on the hand is rows @ q̇, along the normal
+    turned by +90°.
+    """
     frame = frame_of(q)
     for i in range(codes.shape[0]):
         px, py, nx, ny, _, _, _ = contact_in(obj, palm, fingers, codes[i], q, frame)
@@ -184,7 +199,9 @@ def tangent_rows(obj, palm, fingers, codes, q, rows):
 
 @kernel
 def table_size(obj, palm, corners):
-    """Entries of the gap table: each object vertex with each palm edge and finger, each hand corner with the object."""
+    """Entries of the gap table: each object vertex with each palm edge and finger, each hand
+    corner with the object.
+    """
     return obj.shape[0] * (palm.shape[0] + 1) + corners.shape[0] + 4
 
 
@@ -207,7 +224,9 @@ def entry_of(obj, palm, corners, code):
 
 @kernel
 def corner_depth(obj, px, py, q, frame):
-    """(signed distance of a point to the object's nearest edge line from outside, that edge): max over edges."""
+    """(signed distance of a point to the object's nearest edge line from outside, that edge): max
+    over edges.
+    """
     c, s = frame[0], frame[1]
     x, y = c * (px - q[0]) + s * (py - q[1]), c * (py - q[1]) - s * (px - q[0])
     best, edge = -np.inf, -1
@@ -252,7 +271,9 @@ def _object_on_corner(obj, palm, fingers, corners, k, q, frame):
 
 @kernel
 def table_entry(obj, palm, fingers, corners, e, q, frame):
-    """(signed gap [m] of an entry's feature to the nearest opposite edge, code of that pair); penetration is negative."""
+    """(signed gap [m] of an entry's feature to the nearest opposite edge, code of that pair);
+    penetration is negative.
+    """
     n, p = obj.shape[0], palm.shape[0] - 1
     if e >= n * (p + 2):
         return _object_on_corner(obj, palm, fingers, corners, e - n * (p + 2), q, frame)
@@ -282,9 +303,11 @@ def gap_table(obj, palm, fingers, corners, q, gaps, codes):
 
 @kernel
 def finger_clearance(obj, fingers, side, theta, x, y, c, s):
-    """Separation [m] of a finger and the object by the separating axis theorem: positive apart, negative where they overlap.
+    """Separation [m] of a finger and the object by the separating axis theorem: positive apart,
+    negative where they overlap.
 
-    Unlike the gap table, which knows vertices only, it sees a finger that runs right through the object.
+    Unlike the gap table, which knows vertices only, it sees a finger that runs right through the
+    object.
     """
     u, v = np.cos(theta), np.sin(theta)
     frame = c, s, u, v, u, v
@@ -315,8 +338,9 @@ def finger_clearance(obj, fingers, side, theta, x, y, c, s):
 
 @kernel
 def left_the_hand(palm, fingers, q):
-    """Whether the object's centroid is where no finger brings it back from: a third of a finger's length beyond an end of
-    the palm, below the palm, or two lengths above an axis."""
+    """Whether the object's centroid is where no finger brings it back from: a third of a finger's
+    length beyond an end of the palm, below the palm, or two lengths above an axis.
+    """
     length = max(fingers[0, 2], fingers[1, 2])
     lowest = palm[0, 1]
     for k in range(palm.shape[0]):
@@ -331,7 +355,8 @@ def left_the_hand(palm, fingers, q):
 
 @kernel
 def closing_angle(obj, fingers, limits, side, x, y, angle):
-    """Joint angle at which a finger, swept closed from its open limit, first touches the object at (x, y, angle).
+    """Joint angle at which a finger, swept closed from its open limit, first touches the object at
+    (x, y, angle).
 
     NaN when it touches at its open limit already, or never.
     """

@@ -1,4 +1,6 @@
-"""Interpolation in compiled code: the polynomials of motion, and courses of a torque whose rate of change is limited."""
+"""Interpolation in compiled code: the polynomials of motion, and courses of a torque whose rate of
+change is limited.
+"""
 
 from wholearm_ros.kernels import allocating, inlined
 from wholearm_ros.model import interpolation
@@ -10,9 +12,11 @@ hermite = inlined(interpolation.hermite)
 
 @allocating
 def slew_limited(torque, start, step):
-    """The torque (k,) with no more than `step` [N m] from one sample to the next and from `start` to the first.
+    """The torque (k,) with no more than `step` [N m] from one sample to the next and from `start`
+    to the first.
 
-    Rises and falls begin early enough to arrive in time, as the future is known: a backward and a forward pass.
+    Rises and falls begin early enough to arrive in time, as the future is known: a backward and a
+    forward pass.
     """
     out = torque.copy()
     for i in range(len(out) - 2, -1, -1):
@@ -26,8 +30,9 @@ def slew_limited(torque, start, step):
 
 @allocating
 def held_within(torque, low, high, step):
-    """The slew-limited torque (k,) held inside a range (k,), (k,), by bounds that are slew-limited themselves; the middle of
-    those where the range moves faster than that."""
+    """The slew-limited torque (k,) held inside a range (k,), (k,), by bounds that are slew-limited
+    themselves; the middle of those where the range moves faster than that.
+    """
     lower, upper, out = low.copy(), high.copy(), torque.copy()
     for i in range(len(out) - 2, -1, -1):
         lower[i], upper[i] = max(lower[i], lower[i + 1] - step), min(upper[i], upper[i + 1] + step)

@@ -1,9 +1,10 @@
 """Linear complementarity problems 0 ≤ z ⟂ R Rᵀ z + b ≥ 0.
 
-Such a problem is a projection: x = Rᵀ z is the shortest of all vectors for which R x + b ≥ 0. It is solved by the dual
-active-set method of Goldfarb and Idnani (1983) for strictly convex quadratic programmes, which needs no care of dependent
-rows: an object that lies on an edge between two fingers, stuck by friction everywhere, has many more rows than coordinates.
-The rows of the active set are kept orthogonalised (Gram–Schmidt), R_active = L U with L unit lower triangular.
+Such a problem is a projection: x = Rᵀ z is the shortest of all vectors for which R x + b ≥ 0. It is
+solved by the dual active-set method of Goldfarb and Idnani (1983) for strictly convex quadratic
+programmes, which needs no care of dependent rows: an object that lies on an edge between two
+fingers, stuck by friction everywhere, has many more rows than coordinates. The rows of the active
+set are kept orthogonalised (Gram–Schmidt), R_active = L U with L unit lower triangular.
 """
 
 from typing import NamedTuple
@@ -20,11 +21,13 @@ MOST_ROUNDS = 100
 
 
 class Lcp(NamedTuple):
-    """A problem, its solution, and the active set: for up to n rows, of which the first k are used.
+    """A problem, its solution, and the active set: for up to n rows, of which the first k are
+    used.
 
-    rows: (n, 5) = R; b, z: (n,); guess: (n,) bool, the active set from which to begin; x: (5,) = Rᵀ z.
-    lost: (n,) bool, rows that no z satisfies. Of the active set: members: (6,) rows; basis: (6, 5) = U and triangle: (6, 6) = L,
-    in their order; squares: (6,) of the rows of U; weights: (6,), a right-hand side and its solution.
+    rows: (n, 5) = R; b, z: (n,); guess: (n,) bool, the active set from which to begin; x: (5,) = Rᵀ
+    z. lost: (n,) bool, rows that no z satisfies. Of the active set: members: (6,) rows; basis: (6,
+    5) = U and triangle: (6, 6) = L, in their order; squares: (6,) of the rows of U; weights: (6,),
+    a right-hand side and its solution.
     """
 
     rows: np.ndarray
@@ -81,7 +84,9 @@ def solve_lcp(lcp, k):
 
 @inlined
 def _most_violated(lcp, k):
-    """(the row, of those not lost, of which w = R x + b is least, its w, max |min(z, w)| over all)."""
+    """(the row, of those not lost, of which w = R x + b is least, its w, max |min(z, w)| over
+    all).
+    """
     rows, b, z, x, lost = lcp.rows, lcp.b, lcp.z, lcp.x, lcp.lost
     p, least, residual = -1, np.inf, 0.0
     for i in range(k):
@@ -96,7 +101,9 @@ def _most_violated(lcp, k):
 
 @inlined
 def _begin(lcp, k):
-    """x, z of the guessed active set, without what depends on the rest of it or would have to pull. Returns its size."""
+    """x, z of the guessed active set, without what depends on the rest of it or would have to
+    pull. Returns its size.
+    """
     m, weights = 0, lcp.weights
     for i in range(k):
         if lcp.guess[i] and m < SIZE:
@@ -117,7 +124,9 @@ def _begin(lcp, k):
 
 @inlined
 def _solve_active(lcp, m):
-    """Leave in x, and in `weights` z of the active set, what R x + b = 0 asks for there: L D Lᵀ z = −b, D being the squares."""
+    """Leave in x, and in `weights` z of the active set, what R x + b = 0 asks for there: L D Lᵀ z
+    = −b, D being the squares.
+    """
     triangle, weights, x = lcp.triangle, lcp.weights, lcp.x
     for c in range(SIZE):
         x[c] = 0.0
@@ -156,8 +165,9 @@ def _append(lcp, p, m):
 
 @kernel
 def _orthogonalise(lcp, p, m):
-    """Row p less its part along the first m of the basis, as row m of `basis`; that part's coordinates as row m of `triangle`.
-    Returns the square of what is left."""
+    """Row p less its part along the first m of the basis, as row m of `basis`; that part's
+    coordinates as row m of `triangle`. Returns the square of what is left.
+    """
     basis, triangle, squares, own, left = lcp.basis, lcp.triangle, lcp.squares, 0.0, 0.0
     for c in range(SIZE):
         basis[m, c] = lcp.rows[p, c]
@@ -183,8 +193,10 @@ def _orthogonalise(lcp, p, m):
 
 @kernel
 def _raise(lcp, p, missing, m):
-    """Raise z_p until row p, of which w is −missing, is satisfied, the m active rows being kept at w = 0; of those, one that
-    would have to pull leaves. Returns (size of the active set, whether row p is satisfied)."""
+    """Raise z_p until row p, of which w is −missing, is satisfied, the m active rows being kept at
+    w = 0; of those, one that would have to pull leaves. Returns (size of the active set,
+    whether row p is satisfied).
+    """
     z, x, members, weights, direction = lcp.z, lcp.x, lcp.members, lcp.weights, lcp.basis
     while True:
         independent = _append(lcp, p, m)

@@ -7,7 +7,9 @@ from wholearm_ros.kernels import allocating, kernel
 
 @kernel
 def solve_in_place(a, b):
-    """Gaussian elimination with row pivoting: b ← a⁻¹ b, a is destroyed. b: (n, m). Returns the smallest over the largest pivot."""
+    """Gaussian elimination with row pivoting: b ← a⁻¹ b, a is destroyed. b: (n, m). Returns the
+    smallest over the largest pivot.
+    """
     return solve_leading(a, b, b.shape[0])
 
 
@@ -48,9 +50,11 @@ def solve_leading(a, b, n):
 
 @allocating
 def null_vector(rows, scale, t):
-    """Fill t (5,) with the unit vector (in coordinates q / scale) that spans the kernel of rows (4, 5).
+    """Fill t (5,) with the unit vector (in coordinates q / scale) that spans the kernel of rows
+    (4, 5).
 
-    By cofactors: t_j = (−1)^j det(rows without column j). Returns the norm before scaling to one, 0 when rank < 4.
+    By cofactors: t_j = (−1)^j det(rows without column j). Returns the norm before scaling to one, 0
+    when rank < 4.
     """
     minor = np.empty((4, 4))
     for j in range(5):

@@ -1,7 +1,8 @@
 """Rollouts: a trajectory under the closed loop, and a motion primitive, stepped in compiled code.
 
-The closed loop is that of `control/` and `simulation/`, period by period: encoders, mode switch (ramp, handover, stop on a
-tracking error), both controllers (PD; open-loop torque with its slew limit), drives (hold, delay, limits, gain errors), physics.
+The closed loop is that of `control/` and `simulation/`, period by period: encoders, mode switch
+(ramp, handover, stop on a tracking error), both controllers (PD; open-loop torque with its slew
+limit), drives (hold, delay, limits, gain errors), physics.
 """
 
 from typing import NamedTuple
@@ -23,8 +24,10 @@ switch_period = inlined(switch_law.switch_period)
 
 
 class Plant(NamedTuple):
-    """What a sample has of its own beside its world: friction; torque_factors: (2,) of the motors; delay: periods from a
-    command to its torque; noise: (n, 2, 2) added to the n-th reading of angles and velocities [rad, rad/s], none beyond."""
+    """What a sample has of its own beside its world: friction; torque_factors: (2,) of the motors;
+    delay: periods from a command to its torque; noise: (n, 2, 2) added to the n-th reading of
+    angles and velocities [rad, rad/s], none beyond.
+    """
 
     friction: float
     torque_factors: np.ndarray
@@ -33,8 +36,10 @@ class Plant(NamedTuple):
 
 
 class Start(NamedTuple):
-    """q, v: (5,); efforts: (2,) commanded before [N m]; at_rest: the drives hold the fingers and the run begins with its ramp,
-    else it is under way already; velocity_finger: the one so far, −1 for none."""
+    """q, v: (5,); efforts: (2,) commanded before [N m]; at_rest: the drives hold the fingers and
+    the run begins with its ramp, else it is under way already; velocity_finger: the one so far,
+    −1 for none.
+    """
 
     q: np.ndarray
     v: np.ndarray
@@ -44,9 +49,10 @@ class Start(NamedTuple):
 
 
 class Record(NamedTuple):
-    """What is filled in: q, v: (r, 5) every `every` periods from the end of the ramp on; last_q, last_v: (5,) at the end;
-    commands: (c, 2) [N m] of the first c periods; stops_met: (2, 2) bool, which joint (left, right) came to bear on its (low,
-    high) end stop."""
+    """What is filled in: q, v: (r, 5) every `every` periods from the end of the ramp on; last_q,
+    last_v: (5,) at the end; commands: (c, 2) [N m] of the first c periods; stops_met: (2, 2)
+    bool, which joint (left, right) came to bear on its (low, high) end stop.
+    """
 
     q: np.ndarray
     v: np.ndarray
@@ -59,8 +65,8 @@ class Record(NamedTuple):
 
 @allocating
 def run_trajectory(world, plant, law, switching, course, start, settle, record):
-    """The closed loop along the whole course, and `settle` [s] of holding its end. A run that the mode switch stops ends
-    there. law, switching: `ControlLaw` and `SwitchLaw`.
+    """The closed loop along the whole course, and `settle` [s] of holding its end. A run that the
+    mode switch stops ends there. law, switching: `ControlLaw` and `SwitchLaw`.
 
     Returns (records, largest LCP residual, the `Switch` at the end).
     """
@@ -114,7 +120,9 @@ def _read(plant, n, q, v, angles, velocities):
 
 @inlined
 def _drive(world, plant, start, n, q, v, commands, pipe, applied):
-    """Torques of period n: the command of `delay` periods before; what there was before the first one."""
+    """Torques of period n: the command of `delay` periods before; what there was before the first
+    one.
+    """
     for side in range(2):
         pipe[n % (plant.delay + 1), side] = commands[side]
         acting = pipe[(n + 1) % (plant.delay + 1), side]
@@ -130,8 +138,10 @@ def _drive(world, plant, start, n, q, v, commands, pipe, applied):
 
 
 class Primitive(NamedTuple):
-    """Finger `side` turns by `turn` [rad] from rest to rest, in turn_steps, while the other one's torque goes to `torque` [N m] in
-    ramp_steps before it and stays; then settle_steps of rest. gains: of the turning finger; h [s]: of a step."""
+    """Finger `side` turns by `turn` [rad] from rest to rest, in turn_steps, while the other one's
+    torque goes to `torque` [N m] in ramp_steps before it and stays; then settle_steps of rest.
+    gains: of the turning finger; h [s]: of a step.
+    """
 
     side: int
     turn: float
@@ -144,8 +154,10 @@ class Primitive(NamedTuple):
 
 
 class PrimitiveCourse(NamedTuple):
-    """What is filled in, every `every` steps: q, v: (r, 5); efforts: (r, 2), the turning finger's averaged [N m]; wanted: (r,)
-    angle of the turning finger [rad]; last_q, last_v: (5,) at the end; stops_met: as in `Record`."""
+    """What is filled in, every `every` steps: q, v: (r, 5); efforts: (r, 2), the turning finger's
+    averaged [N m]; wanted: (r,) angle of the turning finger [rad]; last_q, last_v: (5,) at the
+    end; stops_met: as in `Record`.
+    """
 
     q: np.ndarray
     v: np.ndarray

@@ -1,7 +1,8 @@
-"""Where an object that lies on the palm comes to rest when one finger is held and the other one closes on it.
+"""Where an object that lies on the palm comes to rest when one finger is held and the other one
+closes on it.
 
-The object slides without friction along the palm, so the held finger's angle says where it lies, and that says where the
-closing finger meets it. Geometry arrays are those of `kernels/geometry.py`.
+The object slides without friction along the palm, so the held finger's angle says where it lies,
+and that says where the closing finger meets it. Geometry arrays are those of `kernels/geometry.py`.
 """
 
 import numpy as np
@@ -14,10 +15,12 @@ SLIDE_STEPS, HALVINGS = 100, 36
 
 @kernel
 def resting_slide(obj, fingers, held, theta, start, along, reach, c, s):
-    """Slide [m] along the palm at which the object first touches the held finger, coming from its other side.
+    """Slide [m] along the palm at which the object first touches the held finger, coming from its
+    other side.
 
-    start (2,): the centroid at slide 0; along (2,): direction of the palm; reach [m]: slides from −reach to reach are
-    searched; c, s: of the object's rotation. NaN when it touches at the far end already, or never.
+    start (2,): the centroid at slide 0; along (2,): direction of the palm; reach [m]: slides from
+    −reach to reach are searched; c, s: of the object's rotation. NaN when it touches at the far end
+    already, or never.
     """
     step = (2.0 * reach / SLIDE_STEPS) * (-1.0 if held == 0 else 1.0)
     free = reach if held == 0 else -reach
@@ -46,7 +49,9 @@ def resting_slide(obj, fingers, held, theta, start, along, reach, c, s):
 
 @kernel
 def squeeze(obj, fingers, limits, held, thetas, start, along, reach, c, s, slides, angles):
-    """Fill slides (k,) [m] and angles (k,) [rad] of the closing finger for the held finger's angles thetas (k,)."""
+    """Fill slides (k,) [m] and angles (k,) [rad] of the closing finger for the held finger's
+    angles thetas (k,).
+    """
     for i in range(thetas.shape[0]):
         slides[i] = resting_slide(obj, fingers, held, thetas[i], start, along, reach, c, s)
         angles[i] = np.nan

@@ -1,4 +1,6 @@
-"""Equilibrium of four contacts: contact forces affine in the torque of one finger, and the interval that keeps them compressive."""
+"""Equilibrium of four contacts: contact forces affine in the torque of one finger, and the
+interval that keeps them compressive.
+"""
 
 import numpy as np
 
@@ -8,10 +10,11 @@ from wholearm_ros.kernels.linear import solve_in_place
 
 @allocating
 def equilibrium_forces(rows, load, torque_column, forces):
-    """Solve eq. (4) for f = a + b τ_T; forces (4, 2) receives columns a [N] and b [1/m]. Returns the pivot ratio.
+    """Solve eq. (4) for f = a + b τ_T; forces (4, 2) receives columns a [N] and b [1/m]. Returns
+    the pivot ratio.
 
-    rows: (4, 5) = [G_nᵀ, −J_n] (or its friction-tilted copy); load: (5,) = (−g_O, g_h) [N, N, N m, N m, N m].
-    [G_n; −J_nTᵀ] f = [−g_O; g_T − τ_T].
+    rows: (4, 5) = [G_nᵀ, −J_n] (or its friction-tilted copy); load: (5,) = (−g_O, g_h) [N, N, N m,
+    N m, N m]. [G_n; −J_nTᵀ] f = [−g_O; g_T − τ_T].
     """
     m = np.empty((4, 4))
     for i in range(4):
@@ -28,10 +31,11 @@ def equilibrium_forces(rows, load, torque_column, forces):
 
 @allocating
 def torque_interval(rows, load, limits, torque_column, forces):
-    """(τ_min, τ_max) [N m] of the torque-controlled finger by (4), (5) and both motors' limits; (1, −1)-like when empty.
+    """(τ_min, τ_max) [N m] of the torque-controlled finger by (4), (5) and both motors' limits;
+    (1, −1)-like when empty.
 
-    f ≥ 0 is affine in τ_T, and so is τ_V = −rows[:, V]ᵀ f + g_V: the range of problem (6) is an interval, found by clipping.
-    Returns (τ_min, τ_max, pivot ratio).
+    f ≥ 0 is affine in τ_T, and so is τ_V = −rows[:, V]ᵀ f + g_V: the range of problem (6) is an
+    interval, found by clipping. Returns (τ_min, τ_max, pivot ratio).
     """
     ratio = equilibrium_forces(rows, load, torque_column, forces)
     low, high = -limits[torque_column - 3], limits[torque_column - 3]
@@ -53,7 +57,9 @@ def torque_interval(rows, load, limits, torque_column, forces):
 
 @kernel
 def load_at(load, finger_moment, q, out):
-    """Fill out (5,) = (−g_O, g_h): the fingers' entries are the torques that hold them against gravity, m g L/2 cos θ."""
+    """Fill out (5,) = (−g_O, g_h): the fingers' entries are the torques that hold them against
+    gravity, m g L/2 cos θ.
+    """
     out[0], out[1], out[2] = load[0], load[1], load[2]
     out[3], out[4] = finger_moment[0] * np.cos(q[3]), finger_moment[1] * np.cos(q[4])
 
@@ -70,7 +76,9 @@ def clip_interval(low, high, a, b):
 
 @kernel
 def tilt_rows(rows, tangents, velocity, friction, tilted):
-    """Rows (k, 5) through which contact forces act when every contact slides with friction: N − μ sign(T q̇) T."""
+    """Rows (k, 5) through which contact forces act when every contact slides with friction: N − μ
+    sign(T q̇) T.
+    """
     for i in range(rows.shape[0]):
         slip = 0.0
         for j in range(5):

@@ -1,7 +1,8 @@
-"""The switch law: what both fingers are asked for in one period of a trajectory, and what stops it. Plain formulas that numba
-can compile.
+"""The switch law: what both fingers are asked for in one period of a trajectory, and what stops
+it. Plain formulas that numba can compile.
 
-`control/mode_switch.py` calls `switch_period` as it is; `kernels/rollout.py` compiles it. What is verified is what is run.
+`control/mode_switch.py` calls `switch_period` as it is; `kernels/rollout.py` compiles it. What is
+verified is what is run.
 """
 
 import math
@@ -18,8 +19,9 @@ NO_BAND = readonly(np.empty((0, 2)))
 
 
 class SwitchLaw(NamedTuple):
-    """ramp, handover [s]; max_tracking_error [rad] of the velocity-controlled finger, beyond which the run stops;
-    stop_outside: whether a run that has deviated from its band stops, too."""
+    """ramp, handover [s]; max_tracking_error [rad] of the velocity-controlled finger, beyond which
+    the run stops; stop_outside: whether a run that has deviated from its band stops, too.
+    """
 
     ramp: float
     handover: float
@@ -28,9 +30,11 @@ class SwitchLaw(NamedTuple):
 
 
 class Course(NamedTuple):
-    """A trajectory as arrays. angles, velocities, efforts: (m, 2) every `period` [s]; ends: (s,) of its segments [s];
-    fingers: (s,) the velocity-controlled one in each; low, high: (k, 2) [rad] of its band every band_period [s], k = 0 for none;
-    patience [s]: how long a finger may be outside of it."""
+    """A trajectory as arrays. angles, velocities, efforts: (m, 2) every `period` [s]; ends: (s,)
+    of its segments [s]; fingers: (s,) the velocity-controlled one in each; low, high: (k, 2)
+    [rad] of its band every band_period [s], k = 0 for none; patience [s]: how long a finger may
+    be outside of it.
+    """
 
     period: float
     angles: np.ndarray
@@ -45,8 +49,10 @@ class Course(NamedTuple):
 
 
 class Outside(NamedTuple):
-    """since [s]: when a finger left the band, infinite while both are inside; deviated [s]: along the trajectory, when it had
-    been outside for longer than the patience for the first time, infinite before; left, right [rad]: how far outside then."""
+    """since [s]: when a finger left the band, infinite while both are inside; deviated [s]: along
+    the trajectory, when it had been outside for longer than the patience for the first time,
+    infinite before; left, right [rad]: how far outside then.
+    """
 
     since: float
     deviated: float
@@ -55,10 +61,12 @@ class Outside(NamedTuple):
 
 
 class Switch(NamedTuple):
-    """began [s]: when the ramp began; elapsed [s]: along the trajectory, negative while ramping in; segment: its number;
-    finger: the velocity-controlled one; handed_over [s]: when it took over, offset [rad]: how far it was from the plan then;
-    error [rad]: the tracking error on which the run stops, 0 while it goes on; outside: of the band; stops: whether the run
-    ends here."""
+    """began [s]: when the ramp began; elapsed [s]: along the trajectory, negative while ramping
+    in; segment: its number; finger: the velocity-controlled one; handed_over [s]: when it took
+    over, offset [rad]: how far it was from the plan then; error [rad]: the tracking error on
+    which the run stops, 0 while it goes on; outside: of the band; stops: whether the run ends
+    here.
+    """
 
     began: float
     elapsed: float
@@ -72,16 +80,20 @@ class Switch(NamedTuple):
 
 
 def switch_at(began, finger):
-    """The switch before its first period. began [s]; finger: the velocity-controlled one so far, NO_FINGER for none."""
+    """The switch before its first period. began [s]; finger: the velocity-controlled one so far,
+    NO_FINGER for none.
+    """
     outside = Outside(math.inf, math.inf, 0.0, 0.0)
     return Switch(began, 0.0, 0, finger, -math.inf, 0.0, 0.0, outside, False)
 
 
 def switch_period(law, course, first_efforts, switch, t, angles):
-    """(next switch, VelocitySetpoint, TorqueSetpoint) at time t [s] for measured angles (2,) [rad].
+    """(next switch, VelocitySetpoint, TorqueSetpoint) at time t [s] for measured angles (2,)
+    [rad].
 
-    The plan's sample, ramped in from the efforts found at the start, first_efforts (2,) [N m]; a finger that becomes
-    velocity-controlled is led from where it is to where it should be. When it stops the setpoints do not count.
+    The plan's sample, ramped in from the efforts found at the start, first_efforts (2,) [N m]; a
+    finger that becomes velocity-controlled is led from where it is to where it should be. When it
+    stops the setpoints do not count.
     """
     elapsed = t - switch.began - law.ramp
     segment = switch.segment
@@ -114,7 +126,9 @@ def switch_period(law, course, first_efforts, switch, t, angles):
 
 
 def watch_band(course, before, elapsed, t, angles):
-    """The monitor: `Outside` after the one before, at time t [s], `elapsed` [s] along the course, for measured angles (2,)."""
+    """The monitor: `Outside` after the one before, at time t [s], `elapsed` [s] along the course,
+    for measured angles (2,).
+    """
     left, right = _excess(course, elapsed, angles, 0), _excess(course, elapsed, angles, 1)
     if left == 0.0 and right == 0.0:
         return Outside(math.inf, before.deviated, before.left, before.right)
@@ -125,7 +139,9 @@ def watch_band(course, before, elapsed, t, angles):
 
 
 def _excess(course, elapsed, angles, finger):
-    """How far [rad] a finger is above (positive) or below (negative) the band; 0 inside, and where there is none."""
+    """How far [rad] a finger is above (positive) or below (negative) the band; 0 inside, and where
+    there is none.
+    """
     last = course.low.shape[0] - 1
     s = elapsed / course.band_period
     if not 0.0 <= s <= last:

@@ -1,13 +1,17 @@
-"""Time stepping of object and fingers under motor torques: one linear complementarity problem a step, impacts included.
+"""Time stepping of object and fingers under motor torques: one linear complementarity problem a
+step, impacts included.
 
-    M (v⁺ − v) = h F + Rᵀ λ,   0 ≤ λ ⟂ R v⁺ + gap / h + μ |T v| ≥ 0          (Anitescu 2006, after Stewart–Trinkle)
+    M (v⁺ − v) = h F + Rᵀ λ,   0 ≤ λ ⟂ R v⁺ + gap / h + μ |T v| ≥ 0
 
-with M constant in q = (x, y, φ, θ_L, θ_R) and, for every pair that could close in the step, two rows R = N ± μ T: the edges of
-its friction cone, N = ∂gap/∂q and T the sliding row; without friction they are one row N. A joint near an end stop is a pair,
-too. Eliminating v⁺ leaves a symmetric, positive semidefinite problem: v⁺ is the projection of the free velocity, in the mass
-metric, on a convex set that holds v = 0 (unless something penetrates), so a step never adds kinetic energy. An object that friction can hold
-does not creep. The term μ |T v| takes back the dilation μ |T v⁺| of the convex cone: what slides stays in contact, up to the
-change of its sliding speed in one step.
+(Anitescu 2006, after Stewart–Trinkle)
+with M constant in q = (x, y, φ, θ_L, θ_R) and, for every pair that could close in the step, two
+rows R = N ± μ T: the edges of its friction cone, N = ∂gap/∂q and T the sliding row; without
+friction they are one row N. A joint near an end stop is a pair, too. Eliminating v⁺ leaves a
+symmetric, positive semidefinite problem: v⁺ is the projection of the free velocity, in the mass
+metric, on a convex set that holds v = 0 (unless something penetrates), so a step never adds kinetic
+energy. An object that friction can hold does not creep. The term μ |T v| takes back the dilation μ
+|T v⁺| of the convex cone: what slides stays in contact, up to the change of its sliding speed in
+one step.
 """
 
 from typing import NamedTuple
@@ -39,11 +43,13 @@ STOPS = 4  # end stops of both joints: low and high of the left one, low and hig
 class Workspace(NamedTuple):
     """What `step` keeps from one step to the next, of one motion of one world.
 
-    friction: coefficient; h: [s] of a step; gaps, codes: (n,) of the gap table's entries; active: (2 n + 4,) rows that pushed in
-    the last step: two of every entry, then the end stops; stops_met: (2, 2) bool, which joint (left, right) has pressed on its
-    (low, high) end stop in any step; watched: (n,) entries that could close before the object or a finger has moved by
-    ledger[0] [m], ledger[1] of them, ledger[2] the longest lever [m]. The rest is room for the problem: place: row → index in
-    `active`; scale: (5,) M^−½, the mass metric's unit lengths, in which the rows of `lcp` are given; vectors: (3, 5).
+    friction: coefficient; h: [s] of a step; gaps, codes: (n,) of the gap table's entries; active:
+    (2 n + 4,) rows that pushed in the last step: two of every entry, then the end stops; stops_met:
+    (2, 2) bool, which joint (left, right) has pressed on its (low, high) end stop in any step;
+    watched: (n,) entries that could close before the object or a finger has moved by ledger[0] [m],
+    ledger[1] of them, ledger[2] the longest lever [m]. The rest is room for the problem: place: row
+    → index in `active`; scale: (5,) M^−½, the mass metric's unit lengths, in which the rows of
+    `lcp` are given; vectors: (3, 5).
     """
 
     friction: float
@@ -124,8 +130,9 @@ def _contact_rows(world, work, q, v, ahead, frame):
         if not -DEEPEST < gaps[e] < near:
             active[2 * e] = active[2 * e + 1] = False
             continue
-        # A feature is outside a convex body when it is outside one of its edges. Which one, is asked of where it will be: a
-        # vertex that slides off a finger's tip is held by what comes after the tip, not by the edge that it leaves.
+        # A feature is outside a convex body when it is outside one of its edges. Which one, is
+        # asked of where it will be: a vertex that slides off a finger's tip is held by what comes
+        # after the tip, not by the edge that it leaves.
         code = table_entry(obj, palm, fingers, corners, e, ahead, frame_ahead)[1]
         codes[e] = code
         px, py, nx, ny, gap, _, _ = contact_in(obj, palm, fingers, code, q, frame)
@@ -157,7 +164,9 @@ def _open_cone(rows, b, k, friction, slide, v):
 
 @inlined
 def _stop_rows(world, work, q, k):
-    """The end stops of both joints, unilateral constraints like any other, after the first k rows. Returns how many in all."""
+    """The end stops of both joints, unilateral constraints like any other, after the first k rows.
+    Returns how many in all.
+    """
     limits, active, rows, h = world.limits, work.active, work.lcp.rows, work.h
     first = active.shape[0] - STOPS
     for s in range(STOPS):
@@ -176,7 +185,9 @@ def _stop_rows(world, work, q, k):
 
 @inlined
 def _pose_problem(work, free, k):
-    """R = rows M^−½, b = rows v_free + what is there of it; the guess is what pushed in the last step."""
+    """R = rows M^−½, b = rows v_free + what is there of it; the guess is what pushed in the last
+    step.
+    """
     rows, b, scale = work.lcp.rows, work.lcp.b, work.scale
     for i in range(k):
         for j in range(SIZE):
@@ -206,7 +217,9 @@ def _integrate(work, free, k, q, v):
 
 @inlined
 def _update_gaps(world, q, frame, work):
-    """Gaps of the watched entries at q; of all of them, and which to watch, when enough has moved since that was done."""
+    """Gaps of the watched entries at q; of all of them, and which to watch, when enough has moved
+    since that was done.
+    """
     obj, palm, fingers, corners = world.obj, world.palm, world.fingers, world.corners
     gaps, codes, watched, ledger = work.gaps, work.codes, work.watched, work.ledger
     if ledger[0] > 0.0:

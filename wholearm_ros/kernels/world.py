@@ -1,4 +1,6 @@
-"""The world of the kernels: a hand and an object as arrays, handed whole to every kernel that needs any of it."""
+"""The world of the kernels: a hand and an object as arrays, handed whole to every kernel that
+needs any of it.
+"""
 
 from typing import NamedTuple
 
@@ -11,12 +13,14 @@ joint = kernel(configuration.joint_index)
 
 
 class World(NamedTuple):
-    """obj: (n, 5), palm: (p, 5) [m], vertices with the unit normal and the length of the edge that starts at each: out of
-    the object, to the free side of the palm; object vertices are about the centroid.
-    fingers: (2, 4) [m], axis x, y, length and half width; corners: (c,) palm vertices that can touch an object edge;
-    scale: (5,) of the coordinates, by which configurations are compared; limits: (2, 2) of the joints [rad];
-    load: (5,) = (−g_O, ·) [N, N, N m], the finger entries of which depend on the angles (`statics.load_at`);
-    finger_moment: (2,) = m g L / 2 [N m]; inertias: (5,) [kg, kg, kg m², …]; torque_limits: (2,) [N m].
+    """obj: (n, 5), palm: (p, 5) [m], vertices with the unit normal and the length of the edge that
+    starts at each: out of the object, to the free side of the palm; object vertices are about
+    the centroid. fingers: (2, 4) [m], axis x, y, length and half width; corners: (c,) palm
+    vertices that can touch an object edge; scale: (5,) of the coordinates, by which
+    configurations are compared; limits: (2, 2) of the joints [rad]; load: (5,) = (−g_O, ·) [N,
+    N, N m], the finger entries of which depend on the angles (`statics.load_at`);
+    finger_moment: (2,) = m g L / 2 [N m]; inertias: (5,) [kg, kg, kg m², …]; torque_limits:
+    (2,) [N m].
     """
 
     obj: np.ndarray

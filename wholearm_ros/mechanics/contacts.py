@@ -1,5 +1,8 @@
-"""Contacts of the object with the palm and the fingers: their names, the contact state, and how the hand closes on the object."""
+"""Contacts of the object with the palm and the fingers: their names, the contact state, and how
+the hand closes on the object.
+"""
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -25,7 +28,8 @@ def pair_name(code: int) -> str:
     if body == geometry.PALM:
         feature = f'palm.{"e" if kind == geometry.VERTEX_EDGE else "v"}{hand}'
     else:
-        feature = f'{SIDES[body - 1]}.{(FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS)[hand]}'
+        features = FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS
+        feature = f'{SIDES[body - 1]}.{features[hand]}'
     return f'{"v" if kind == geometry.VERTEX_EDGE else "e"}{obj}:{feature}'
 
 
@@ -42,7 +46,7 @@ def pair_from_name(name: str) -> int:
     )
 
 
-def _index(text):
+def _index(text: str) -> int:
     """A feature's number, of which a pair code has room for one byte."""
     if not 0 <= int(text) < 256:
         raise ValueError(f'contact pair: feature number {text}; allowed: 0 to 255')
@@ -50,29 +54,35 @@ def _index(text):
 
 
 def pair_exists(code: int, vertices: int, palm_vertices: int) -> bool:
-    """Whether an object and a palm of so many vertices have that pair; kernels do not look before they read."""
+    """Whether an object and a palm of so many vertices have that pair; kernels do not look before
+    they read.
+    """
     kind, hand = geometry.pair_kind(code), int(geometry.pair_hand_feature(code))
     on_palm = geometry.pair_body(code) == geometry.PALM
     features = palm_vertices - (kind == geometry.VERTEX_EDGE) if on_palm else hand + 1
     return bool(geometry.pair_object_feature(code) < vertices and hand < features)
 
 
-def gap_table(world: World, q: np.ndarray) -> tuple:
-    """(gaps (m,) [m], pair codes (m,)) of every feature with the nearest edge opposite; see the kernel."""
+def gap_table(world: World, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(gaps (m,) [m], pair codes (m,)) of every feature with the nearest edge opposite; see the
+    kernel.
+    """
     size = geometry.table_size(world.obj, world.palm, world.corners)
     gaps, codes = np.empty(size), np.empty(size, np.int64)
     geometry.gap_table(*world.geometry, world.corners, q, gaps, codes)
     return gaps, codes
 
 
-def closed_pairs(world: World, q: np.ndarray, tolerance: float = CLOSED_GAP) -> tuple:
+def closed_pairs(world: World, q: np.ndarray, tolerance: float = CLOSED_GAP) -> tuple[int, ...]:
     """Codes of the pairs that are closed at q, sorted: the contact state."""
     gaps, codes = gap_table(world, q)
     return tuple(sorted(int(c) for c in codes[np.abs(gaps) <= tolerance]))
 
 
-def contact_state_matrix(world: World, pairs: tuple) -> np.ndarray:
-    """C (2n, h), bool: rows are the object's vertices then edges, columns the hand's features (palm, left, right)."""
+def contact_state_matrix(world: World, pairs: Sequence[int]) -> np.ndarray:
+    """C (2n, h), bool: rows are the object's vertices then edges, columns the hand's features
+    (palm, left, right).
+    """
     n, p = len(world.obj), len(world.palm)
     palm_columns = (p - 1) + p
     c = np.zeros((2 * n, palm_columns + 12), dtype=bool)
@@ -89,7 +99,7 @@ def contact_state_matrix(world: World, pairs: tuple) -> np.ndarray:
     return c
 
 
-def four_contact_subsets(pairs: tuple) -> list:
+def four_contact_subsets(pairs: Sequence[int]) -> list[tuple[int, ...]]:
     """Every choice of four of the pairs with at least one on each finger and the palm."""
     return [
         four
@@ -98,7 +108,9 @@ def four_contact_subsets(pairs: tuple) -> list:
     ]
 
 
-def contact_rows(world: World, pairs, q: np.ndarray) -> tuple:
+def contact_rows(
+    world: World, pairs: Sequence[int], q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(rows (k, 5) = [G_nᵀ, −J_n] of eq. (1), gaps (k,) [m])."""
     codes = np.asarray(pairs, dtype=np.int64)
     rows, gaps = np.empty((len(codes), 5)), np.empty(len(codes))
@@ -106,7 +118,7 @@ def contact_rows(world: World, pairs, q: np.ndarray) -> tuple:
     return rows, gaps
 
 
-def deepest_penetration(world: World, q: np.ndarray) -> tuple:
+def deepest_penetration(world: World, q: np.ndarray) -> tuple[float, str]:
     """(depth [m], pair name): the most negative gap at q, 0 when nothing penetrates."""
     gaps, codes = gap_table(world, q)
     k = int(np.argmin(gaps))
@@ -114,22 +126,24 @@ def deepest_penetration(world: World, q: np.ndarray) -> tuple:
 
 
 def close_finger(world: World, pose: np.ndarray, side: int) -> float:
-    """Joint angle [rad] at which a finger, swept closed from its open limit, first touches the object at `pose` (3,).
+    """Joint angle [rad] at which a finger, swept closed from its open limit, first touches the
+    object at `pose` (3,).
 
-    Raises ScenarioError when it comes to its other limit without touching, or touches at its open limit already.
+    Raises ScenarioError when it comes to its other limit without touching, or touches at its open
+    limit already.
     """
-    angle = geometry.closing_angle(world.obj, world.fingers, world.limits, side, *pose)
+    angle = float(geometry.closing_angle(world.obj, world.fingers, world.limits, side, *pose))
     if np.isnan(angle):
         low, high = world.limits[side]
         raise ScenarioError(
-            f'hand.{SIDES[side]}: the finger, swept closed between {low:.3f} and {high:.3f} rad, does not '
-            f'come to touch the object at {_show(pose)}; allowed: an object that lies between the open '
-            'fingers and within their reach'
+            f'hand.{SIDES[side]}: the finger, swept closed between {low:.3f} and {high:.3f} rad, '
+            f'does not come to touch the object at {_show(pose)}; allowed: an object that lies '
+            'between the open fingers and within their reach'
         )
     return angle
 
 
-def start_configuration(scenario: Scenario, world: World = None) -> np.ndarray:
+def start_configuration(scenario: Scenario, world: World | None = None) -> np.ndarray:
     """q (5,) at the start: the object at rest on the palm, the fingers closed on it.
 
     Raises ScenarioError when a finger cannot touch the object, or the start penetrates the hand.
@@ -155,12 +169,14 @@ def start_configuration(scenario: Scenario, world: World = None) -> np.ndarray:
 
 
 def pose_on_palm(world: World, x: float, angle: float, segment: int = 0) -> np.ndarray:
-    """(3,) pose whose lowest vertex touches the line of a palm segment, with the centroid at x [m]."""
+    """(3,) pose whose lowest vertex touches the line of a palm segment, with the centroid at x
+    [m].
+    """
     ax, ay, _, _, nx, ny, _ = geometry.palm_edge(world.palm, segment)
     reach = support(world.obj[:, :2], angle, np.array([nx, ny]))
     y = ay + (-reach - nx * (x - ax)) / ny
     return np.array([x, y, angle])
 
 
-def _show(pose):
+def _show(pose: np.ndarray) -> str:
     return f'x {pose[0]:.3f} m, y {pose[1]:.3f} m, {pose[2]:.3f} rad'

@@ -1,11 +1,14 @@
-"""Forward dynamics as a linear complementarity problem: which contacts a torque breaks, and how everything accelerates (III-B.2).
+"""Forward dynamics as a linear complementarity problem: which contacts a torque breaks, and how
+everything accelerates (III-B.2).
 
-The motion equations of the object and of the torque-controlled finger and the acceleration kinematics of the contacts,
-the velocity-controlled finger's motion being prescribed:
+The motion equations of the object and of the torque-controlled finger and the acceleration
+kinematics of the contacts, the velocity-controlled finger's motion being prescribed:
     M q̈_d = F + N_dᵀ f,    a_n = N_d q̈_d + N_V θ̈_V + Ṅ q̇,    0 ≤ f ⟂ a_n ≥ 0,
-with q_d = (x, y, φ, θ_T) and N = [G_nᵀ, −J_n]. Motion over time is `kernels/time_stepping.py`, its velocity-level relative.
+with q_d = (x, y, φ, θ_T) and N = [G_nᵀ, −J_n]. Motion over time is `kernels/time_stepping.py`, its
+velocity-level relative.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +26,9 @@ RATE_STEP = 1e-7  # [s] over which Ṅ is differenced
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics:
-    """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A = N M⁻¹ Nᵀ (n, n) [1/kg], N (n, 4), b (n,) [m/s²]; free: (4,) accelerations
-    without contact; scale: (4,) M^−½; pairs: their codes."""
+    """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A = N M⁻¹ Nᵀ (n, n) [1/kg], N (n, 4), b (n,) [m/s²];
+    free: (4,) accelerations without contact; scale: (4,) M^−½; pairs: their codes.
+    """
 
     N: np.ndarray
     b: np.ndarray
@@ -35,17 +39,19 @@ class ForwardDynamics:
     @property
     def response(self) -> np.ndarray:
         """(4, n) = M⁻¹ Nᵀ, of the accelerations to the forces."""
-        return (self.N * self.scale**2).T
+        return np.asarray((self.N * self.scale**2).T)
 
     @property
     def A(self) -> np.ndarray:
         """(n, n) [1/kg], of the separations to the forces."""
-        return self.N @ self.response
+        return np.asarray(self.N @ self.response)
 
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamicsSolution:
-    """forces (n,) [N]; accelerations (4,) of x, y, φ, θ_T; separations (n,) [m/s²] of the contacts."""
+    """forces (n,) [N]; accelerations (4,) of x, y, φ, θ_T; separations (n,) [m/s²] of the
+    contacts.
+    """
 
     problem: ForwardDynamics
     forces: np.ndarray
@@ -56,21 +62,23 @@ class ForwardDynamicsSolution:
         """max |min(f, a_n)|."""
         return float(np.abs(np.minimum(self.forces, self.separations)).max())
 
-    def breaking(self) -> tuple:
+    def breaking(self) -> tuple[int, ...]:
         """Codes of the pairs that separate."""
         return tuple(c for c, a in zip(self.problem.pairs, self.separations) if a > BREAKS)
 
 
 def build_forward_dynamics(
     world: World,
-    pairs: tuple,
+    pairs: Sequence[int],
     q: np.ndarray,
     q_dot: np.ndarray,
     torque_finger: int,
     torque: float,
     velocity_finger_acceleration: float = 0.0,
 ) -> ForwardDynamics:
-    """The problem at q, q_dot (5,) for a torque [N m] of the torque finger and θ̈_V [rad/s²] of the other one."""
+    """The problem at q, q_dot (5,) for a torque [N m] of the torque finger and θ̈_V [rad/s²] of
+    the other one.
+    """
     rows, _ = contact_rows(world, pairs, q)
     ahead, _ = contact_rows(world, pairs, q + RATE_STEP * q_dot)
     driven = 4 - torque_finger
@@ -87,7 +95,9 @@ def build_forward_dynamics(
 
 
 def solve_forward_dynamics(problem: ForwardDynamics) -> ForwardDynamicsSolution:
-    """Forces and accelerations. Raises SolverError when the complementarity is not met to RESIDUAL_TOLERANCE."""
+    """Forces and accelerations. Raises SolverError when the complementarity is not met to
+    RESIDUAL_TOLERANCE.
+    """
     n = len(problem.b)
     lcp = new_lcp(n)
     lcp.rows[:, : len(problem.free)] = problem.N * problem.scale

@@ -1,5 +1,8 @@
-"""Mirror images (x → −x) of configurations, contact names, plans and trajectories: clockwise tasks come out of these."""
+"""Mirror images (x → −x) of configurations, contact names, plans and trajectories: clockwise tasks
+come out of these.
+"""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +23,7 @@ def mirror_configurations(q: np.ndarray) -> np.ndarray:
     )
 
 
-def mirror_contacts(names: tuple, scenario: Scenario) -> tuple:
+def mirror_contacts(names: Sequence[str], scenario: Scenario) -> tuple[str, ...]:
     """Names of the mirrored pairs, of a scenario with as many vertices."""
     n, p = len(scenario.object.polygon.vertices), len(scenario.palm.vertices)
     return tuple(pair_name(_mirror_pair(pair_from_name(name), n, p)) for name in names)
@@ -68,7 +71,7 @@ def mirror_trajectory(t: ManipulationTrajectory, scenario: Scenario) -> Manipula
     )
 
 
-def _mirror_pair(code, n, p):
+def _mirror_pair(code: int, n: int, p: int) -> int:
     kind, body = int(geometry.pair_kind(code)), int(geometry.pair_body(code))
     hand, feature = int(geometry.pair_hand_feature(code)), int(geometry.pair_object_feature(code))
     if body == geometry.PALM:

@@ -1,5 +1,8 @@
-"""The quasi-static model, equations (1)–(5), and the three conditions for a quasi-static manipulation (II-B, II-C)."""
+"""The quasi-static model, equations (1)–(5), and the three conditions for a quasi-static
+manipulation (II-B, II-C).
+"""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +18,9 @@ LEAST_CONDITIONING = 1e-6  # singular values below this part of the largest coun
 class QuasiStatics:
     """Kinematics and statics of n closed contacts at one configuration.
 
-    G_n: (3, n) normal contact wrench matrix; J_n: (n, 2) normal Jacobian; g_O: (3,) gravity on the object [N, N, N m];
-    g_h: (2,) joint torques that hold the fingers against gravity [N m]; scale: (5,) of the coordinates.
+    G_n: (3, n) normal contact wrench matrix; J_n: (n, 2) normal Jacobian; g_O: (3,) gravity on the
+    object [N, N, N m]; g_h: (2,) joint torques that hold the fingers against gravity [N m]; scale:
+    (5,) of the coordinates.
     """
 
     G_n: np.ndarray
@@ -34,7 +38,8 @@ class QuasiStatics:
         return np.hstack([self.G_n.T, -self.J_n[:, [torque_finger]]])
 
     def velocities(self, velocity_finger: int, rate: float) -> np.ndarray:
-        """(5,) q̇ when the velocity finger turns at `rate` [rad/s], eq. (3); needs n = 4 and condition 1.
+        """(5,) q̇ when the velocity finger turns at `rate` [rad/s], eq. (3); needs n = 4 and
+        condition 1.
 
         Raises numpy.linalg.LinAlgError when the block is singular.
         """
@@ -52,7 +57,7 @@ class QuasiStatics:
 
     def joint_torques(self, f_n: np.ndarray) -> np.ndarray:
         """(2,) τ = J_nᵀ f_n + g_h, the lower half of eq. (2)."""
-        return self.J_n.T @ f_n + self.g_h
+        return np.asarray(self.J_n.T @ f_n + self.g_h)
 
     def residual(self, f_n: np.ndarray, tau: np.ndarray) -> float:
         """Largest absolute residual of eq. (2) for forces (n,) [N] and torques (2,) [N m]."""
@@ -70,7 +75,7 @@ class QuasiStatics:
         return bool(driven and len(values) == 4 and values[-1] > LEAST_CONDITIONING * values[0])
 
 
-def build_quasistatics(world: World, pairs: tuple, q: np.ndarray) -> QuasiStatics:
+def build_quasistatics(world: World, pairs: Sequence[int], q: np.ndarray) -> QuasiStatics:
     """The model for closed pairs at q (5,)."""
     rows, _ = contact_rows(world, pairs, q)
     load = np.empty(5)

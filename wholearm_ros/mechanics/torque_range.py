@@ -1,7 +1,9 @@
-"""Problem (6): the torques of the torque-controlled finger that keep every contact force compressive.
+"""Problem (6): the torques of the torque-controlled finger that keep every contact force
+compressive.
 
-With four contacts the forces are affine in τ_T, so the range is an interval, found by clipping (exact). With five and more
-they are not determined by τ_T: a QP with the contact forces as further unknowns, solved by OSQP. Both motors' limits bound it.
+With four contacts the forces are affine in τ_T, so the range is an interval, found by clipping
+(exact). With five and more they are not determined by τ_T: a QP with the contact forces as further
+unknowns, solved by OSQP. Both motors' limits bound it.
 """
 
 from dataclasses import dataclass
@@ -28,7 +30,9 @@ TIGHT = {
 
 @dataclass(frozen=True, eq=False)
 class TorqueRangeProblem:
-    """The model at a configuration, which finger is torque-controlled, and the limits (2,) [N m] of both motors."""
+    """The model at a configuration, which finger is torque-controlled, and the limits (2,) [N m]
+    of both motors.
+    """
 
     model: QuasiStatics
     torque_finger: int
@@ -37,7 +41,9 @@ class TorqueRangeProblem:
 
 @dataclass(frozen=True, eq=False)
 class TorqueRange:
-    """τ_min, τ_max [N m] in joint coordinates, and contact forces (n,) [N] at either end; empty when low > high."""
+    """τ_min, τ_max [N m] in joint coordinates, and contact forces (n,) [N] at either end; empty
+    when low > high.
+    """
 
     problem: TorqueRangeProblem
     low: float
@@ -47,6 +53,7 @@ class TorqueRange:
 
     @property
     def empty(self) -> bool:
+        """Whether no torque holds the object."""
         return not self.low <= self.high
 
     @property
@@ -55,7 +62,7 @@ class TorqueRange:
         return self.high - self.low
 
     def equilibrium_error(self) -> float:
-        """Largest violation, over both ends, of eqs. (4), (5) [N, N m] and of the motors' limits."""
+        """Largest violation, at both ends, of eqs. (4), (5) [N, N m] and of the motors' limits."""
         if self.empty:
             return 0.0
         model, finger = self.problem.model, self.problem.torque_finger
@@ -80,13 +87,15 @@ def build_torque_range(
 
 
 def solve_torque_range(problem: TorqueRangeProblem) -> TorqueRange:
-    """The range; closed form for four contacts, OSQP for more. Raises SolverError when neither OSQP nor HiGHS can certify."""
+    """The range; closed form for four contacts, OSQP for more. Raises SolverError when neither
+    OSQP nor HiGHS can certify.
+    """
     if problem.model.G_n.shape[1] == 4:
         return _closed_form(problem)
     return _by_programming(problem)
 
 
-def _closed_form(problem):
+def _closed_form(problem: TorqueRangeProblem) -> TorqueRange:
     m, finger = problem.model, problem.torque_finger
     forces = np.empty((4, 2))
     load = np.concatenate([-m.g_O, m.g_h])
@@ -96,7 +105,7 @@ def _closed_form(problem):
     )
 
 
-def _by_programming(problem):
+def _by_programming(problem: TorqueRangeProblem) -> TorqueRange:
     """Ends of the range one by one: maximise ± τ_T over (f, τ_T)."""
     ends = []
     for sign in (1.0, -1.0):
@@ -118,8 +127,10 @@ def _by_programming(problem):
     return answer
 
 
-def _end_by_osqp(problem, sign):
-    """Forces at the least sign · τ_T, or None when OSQP does not certify them. A small ridge makes the QP strictly convex."""
+def _end_by_osqp(problem: TorqueRangeProblem, sign: float) -> np.ndarray | None:
+    """Forces at the least sign · τ_T, or None when OSQP does not certify them. A small ridge makes
+    the QP strictly convex.
+    """
     m, n = problem.model, problem.model.G_n.shape[1]
     rows = sp.csc_matrix(np.vstack([m.G_n, m.J_n.T, np.eye(n)]))
     low = np.concatenate([-m.g_O, -problem.limits - m.g_h, np.zeros(n)])
@@ -143,7 +154,7 @@ def _end_by_osqp(problem, sign):
     return f if residual <= RESIDUAL_TOLERANCE * (1.0 + np.abs(f).max()) else None
 
 
-def _end_by_linprog(problem, sign):
+def _end_by_linprog(problem: TorqueRangeProblem, sign: float) -> np.ndarray | None:
     """The same as a linear programme by HiGHS; None when infeasible."""
     m = problem.model
     both = np.vstack([m.J_n.T, -m.J_n.T])

@@ -6,6 +6,8 @@ from wholearm_ros.kernels.world import World
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.scenario import Scenario
 
+__all__ = ['World', 'build_world']
+
 LENGTH_PER_RADIAN = (
     2.0 / 3.0
 )  # of a finger: the length that counts as much as 1 rad where configurations are compared
@@ -31,9 +33,10 @@ def build_world(scenario: Scenario) -> World:
     )
 
 
-def _with_edges(vertices, closed):
-    """(n, 5) vertices, and of the edge that starts at each its normal and length: out of a closed polygon (counter-clockwise),
-    to the left of an open polyline, whose last vertex has no edge."""
+def _with_edges(vertices: np.ndarray, closed: bool) -> np.ndarray:
+    """(n, 5) vertices, and of the edge that starts at each its normal and length: out of a closed
+    polygon (counter-clockwise), to the left of an open polyline, whose last vertex has no edge.
+    """
     d = np.roll(vertices, -1, axis=0) - vertices
     length = np.linalg.norm(d, axis=1, keepdims=True)
     normal = np.column_stack([d[:, 1], -d[:, 0]]) / length * (1.0 if closed else -1.0)
@@ -42,7 +45,7 @@ def _with_edges(vertices, closed):
     return np.hstack([vertices, normal, length])
 
 
-def _touchable_corners(palm: np.ndarray) -> list:
+def _touchable_corners(palm: np.ndarray) -> list[int]:
     """Both ends, and the vertices that bulge to the free side."""
     d = np.diff(palm, axis=0)
     turn = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]

@@ -12,10 +12,12 @@ TOUCHING = 1e-3  # [m] an object told to be nearer to the palm than this is mean
 TOUCHING_ANGLE = 0.01  # [rad] a finger told to be nearer to touching than this is meant to touch
 
 
-def perturbed_start(told: Scenario, truth: Scenario, true_world: World = None) -> np.ndarray:
-    """q (5,): centroid x, y [m], rotation [rad], finger angles [rad] at the start of the true scenario.
+def perturbed_start(told: Scenario, truth: Scenario, true_world: World | None = None) -> np.ndarray:
+    """q (5,): centroid x, y [m], rotation [rad], finger angles [rad] at the start of the true
+    scenario.
 
-    What lies on the palm lies on it in truth, and a finger that touches touches in truth; nothing penetrates.
+    What lies on the palm lies on it in truth, and a finger that touches touches in truth; nothing
+    penetrates.
     """
     true_world = true_world or build_world(truth)
     if not isinstance(truth.start, StartAtPose):

@@ -1,7 +1,10 @@
-"""Perturbed samples of a task, and what they do under the closed loop: forward dynamics with PD and open-loop torque."""
+"""Perturbed samples of a task, and what they do under the closed loop: forward dynamics with PD
+and open-loop torque.
+"""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Sequence, Union
+from typing import Union
 
 import numpy as np
 
@@ -31,9 +34,10 @@ class PerturbedSample:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """times (r,) [s], configurations (r, 5); q, v (5,) at the end; the largest residual of the LCPs [m/s];
-    stops_met: (2, 2) bool, whether the left and the right finger came to bear on its low and high end stop;
-    switch: the mode switch at the end; commands: (c, 2) [N m] of the first periods.
+    """times (r,) [s], configurations (r, 5); q, v (5,) at the end; the largest residual of the
+    LCPs [m/s]; stops_met: (2, 2) bool, whether the left and the right finger came to bear on
+    its low and high end stop; switch: the mode switch at the end; commands: (c, 2) [N m] of the
+    first periods.
     """
 
     times: np.ndarray
@@ -54,13 +58,15 @@ class Run:
 def build_perturbed_samples(
     scenario: Scenario, count: int, level: float, seed: Union[int, Sequence[int]]
 ) -> tuple[PerturbedSample, ...]:
-    """The nominal sample, and `count` perturbed ones at `level` (see Perturbation), always the same for a seed."""
+    """The nominal sample, and `count` perturbed ones at `level` (see Perturbation), always the
+    same for a seed.
+    """
     rng = np.random.default_rng(seed)
     drawn = (NOMINAL, *(draw_perturbation(rng, level, scenario) for _ in range(count)))
     return tuple(_sample(scenario, p) for p in drawn)
 
 
-def _sample(scenario, perturbation):
+def _sample(scenario: Scenario, perturbation: Perturbation) -> PerturbedSample:
     truth = perturbation.applied(scenario)
     world = build_world(truth)
     return PerturbedSample(
@@ -82,7 +88,8 @@ def follow_course(
     settle: float = 0.0,
     commands: int = 0,
 ) -> Run:
-    """What a sample does under the closed loop of `control/` along a course, and for `settle` [s] of holding its end.
+    """What a sample does under the closed loop of `control/` along a course, and for `settle` [s]
+    of holding its end.
 
     commands: how many periods' commands to keep.
     """
@@ -99,9 +106,8 @@ def follow_course(
     lead = controls.ramp if start.at_rest else 0.0
     length = lead + course.period * (len(course.angles) - 1) + settle
     plant = _plant(sample.perturbation, int(np.ceil(length / STEP)) + 1)
-    start = start._replace(
-        **{name: np.array(getattr(start, name)) for name in ('q', 'v', 'efforts')}
-    )
+    q, v, efforts = (np.array(values) for values in (start.q, start.v, start.efforts))
+    start = start._replace(q=q, v=v, efforts=efforts)
     count, residual, switch = run_trajectory(
         sample.world,
         plant,

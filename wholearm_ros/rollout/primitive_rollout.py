@@ -1,7 +1,8 @@
-"""Moves that only forward dynamics can predict: one finger turns from rest to rest while the other holds a torque.
+"""Moves that only forward dynamics can predict: one finger turns from rest to rest while the other
+holds a torque.
 
-The contact state may change on the way as physics wants; no equilibrium of four contacts is needed. This is the dynamic
-manipulation of III-B.2 as a step of the search.
+The contact state may change on the way as physics wants; no equilibrium of four contacts is needed.
+This is the dynamic manipulation of III-B.2 as a step of the search.
 """
 
 from dataclasses import dataclass
@@ -36,9 +37,11 @@ class Rest:
 
 @dataclass(frozen=True, eq=False)
 class PrimitiveRecord:
-    """A simulated move every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the velocity finger's wanted
-    angle (m,); ramp: how many of the samples the torque's ramp takes; whether it ended at rest; the LCP's residual;
-    stops_met: (2, 2) bool, whether the left and the right finger came to bear on its low and high end stop."""
+    """A simulated move every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the
+    velocity finger's wanted angle (m,); ramp: how many of the samples the torque's ramp takes;
+    whether it ended at rest; the LCP's residual; stops_met: (2, 2) bool, whether the left and
+    the right finger came to bear on its low and high end stop.
+    """
 
     move: MotionPrimitive
     configurations: np.ndarray
@@ -59,7 +62,9 @@ class PrimitiveRecord:
         angles, velocities, efforts = self.setpoints(start)
         return Course(
             PERIOD,
-            *(readonly(values) for values in (angles, velocities, efforts)),
+            readonly(angles),
+            readonly(velocities),
+            readonly(efforts),
             readonly([PERIOD * len(self.wanted)]),
             readonly([self.move.velocity_finger], dtype=np.int64),
             PERIOD,
@@ -68,8 +73,10 @@ class PrimitiveRecord:
             0.0,
         )
 
-    def setpoints(self, start: Rest) -> tuple:
-        """(angles (m + 1, 2), velocities, efforts) to lead the fingers along it, the first of them at `start`."""
+    def setpoints(self, start: Rest) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(angles (m + 1, 2), velocities, efforts) to lead the fingers along it, the first of them
+        at `start`.
+        """
         side = self.move.velocity_finger
         angles = np.vstack([start.q[None, 3:], self.configurations[:, 3:]])
         angles[1:, side] = self.wanted
@@ -123,6 +130,6 @@ def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> Prim
     )
 
 
-def _steps(seconds):
+def _steps(seconds: float) -> int:
     every = int(round(PERIOD / STEP))
     return every * int(np.ceil(seconds / PERIOD - 1e-9))

@@ -1,8 +1,11 @@
-"""Verification: a candidate trajectory run through our own forward dynamics, on the nominal and on perturbed samples."""
+"""Verification: a candidate trajectory run through our own forward dynamics, on the nominal and on
+perturbed samples.
+"""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -20,14 +23,18 @@ from wholearm_ros.rollout.perturbed_samples import (
 
 SETTLE = 0.3  # [s] of holding after the trajectory's end
 MARGIN = 1.0 / 3.0  # of the goal's tolerances that a simulated run must leave
-MOST_BEYOND = 0.15  # [rad] past the goal on the way: an object that comes down faster may go on to the next edge
+MOST_BEYOND = (
+    0.15  # [rad] past the goal on the way: what comes down faster may go on to the next edge
+)
 STOP_USED = 0.02  # [rad] a plan that brings a finger as near to its end stop makes use of it
 REST_SPEED = 0.005  # [m/s] of the centroid at the end
 
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """One sample's run: times (r,) [s], configurations (r, 5), whether the object rests at its goal, and why not."""
+    """One sample's run: times (r,) [s], configurations (r, 5), whether the object rests at its
+    goal, and why not.
+    """
 
     times: np.ndarray
     configurations: np.ndarray
@@ -38,8 +45,9 @@ class Rollout:
 
 @dataclass(frozen=True)
 class Verification:
-    """The first rollout is the nominal one, the others are perturbed; `asked` were to be run, and rollouts that were not
-    run, as the candidate had failed already, count as failed."""
+    """The first rollout is the nominal one, the others are perturbed; `asked` were to be run, and
+    rollouts that were not run, as the candidate had failed already, count as failed.
+    """
 
     rollouts: tuple[Rollout, ...]
     asked: int
@@ -51,13 +59,15 @@ class Verification:
 
     @property
     def nominal(self) -> Rollout:
+        """Of the nominal sample."""
         return self.rollouts[0]
 
     def reasons(self) -> list[str]:
         """Why rollouts failed."""
         return [r.reason for r in self.rollouts if r.reason]
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON object that a trajectory document holds."""
         return {
             'copies': self.asked,
             'survived': sum(r.success for r in self.rollouts),
@@ -108,13 +118,16 @@ def _stopped(run: Run, controls: ControlOptions) -> str:
     if not run.stopped:
         return ''
     return (
-        f'stopped: tracking error of the velocity-controlled finger is {run.switch.error:+.3f} rad; '
+        f'stopped: tracking error of the velocity-controlled finger is '
+        f'{run.switch.error:+.3f} rad; '
         f'allowed: {controls.max_tracking_error} rad'
     )
 
 
 def _stop_met(trajectory: ManipulationTrajectory, sample: PerturbedSample, run: Run) -> str:
-    """Why a run fails whose finger came to bear on an end stop to which the plan does not bring it; '' when none did."""
+    """Why a run fails whose finger came to bear on an end stop to which the plan does not bring
+    it; '' when none did.
+    """
     for side, end in zip(*np.nonzero(run.stops_met)):
         stop = sample.world.limits[side, end]
         if np.abs(trajectory.angles[:, side] - stop).min() > STOP_USED:
