@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wholearm_ros.control.mode_switch import NO_BAND
 from wholearm_ros.kernels.control_law import PdGains
 from wholearm_ros.kernels.rollout import Primitive, PrimitiveCourse, run_primitive
 from wholearm_ros.kernels.switch_law import Course
@@ -67,10 +66,6 @@ class PrimitiveRecord:
             readonly(efforts),
             readonly([PERIOD * len(self.wanted)]),
             readonly([self.move.velocity_finger], dtype=np.int64),
-            PERIOD,
-            NO_BAND,
-            NO_BAND,
-            0.0,
         )
 
     def setpoints(self, start: Rest) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
