@@ -1,5 +1,5 @@
-"""Courses: both fingers' angles over time in rollouts that reach the goal, of objects that feel alike
-on several edges (`estimation/course.py` says what for).
+"""Courses: both fingers' angles over time in rollouts that reach the goal, of objects that feel
+alike on several edges (`estimation/course.py` says what for).
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,8 @@ DIGITS = 3  # of an angle [rad]: a document shall be short
 
 
 def build_courses(scenario: Scenario, rollouts: Sequence[Rollout]) -> np.ndarray | None:
-    """(k, r, 2) [rad] every COURSE_PERIOD from the trajectory's start; None of an object whose edges
-    feel different, or when no rollout reached the goal.
+    """(k, r, 2) [rad] every COURSE_PERIOD from the trajectory's start; None of an object whose
+    edges feel different, or when no rollout reached the goal.
     """
     survived = [r.configurations[:, 3:] for r in rollouts if r.success][:MOST]
     if not survived or not edges_look_alike(scenario.object.polygon, ALIKE):
