@@ -3,6 +3,8 @@
 import json
 import os
 import signal
+import subprocess
+import sys
 
 import pytest
 from ros_graph import ALL, LOOP, WHOLE
@@ -102,3 +104,19 @@ def test_what_lies_in_the_hand_is_felt_before_anything_is_planned(graph):
     assert result['goal_id'] == goal_name(FEEL_GOAL)
     assert (result['claimed'], result['felt_edge']) == ('elsewhere', '0'), result
     assert float(result['felt_x']) == pytest.approx(-0.02, abs=2e-3)
+
+
+@pytest.mark.parametrize('in_hand, felt', [('', 'felt on edge 0'), ('regular_hexagon', 'no edge')])
+def test_the_command_says_what_lies_in_the_hand(in_hand, felt, domain):
+    """Another object than the scenario's is said to be so."""
+    other = ['--in-hand', in_hand] if in_hand else []
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'feel', '--pacing', 'lockstep']
+        + ['--rate', '250', '--backend', 'planar', *other],
+        capture_output=True,
+        text=True,
+        timeout=200,
+    )
+    assert done.returncode == (1 if in_hand else 0) and felt in done.stdout, (
+        done.stdout + done.stderr
+    )

@@ -18,6 +18,7 @@ COMMANDS = {
     'suite': 'Plan and execute many scenarios, and count what reached its goal.',
     'report': 'Write what happened as one HTML file.',
     'run': 'Plan and execute on the ROS 2 graph, each node a process.',
+    'feel': 'Feel what lies in the hand, before anything is planned (needs ROS 2).',
     'version': 'Print the version.',
 }
 HELP = {'help_option_names': ['-h', '--help']}

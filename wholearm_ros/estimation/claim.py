@@ -53,6 +53,8 @@ class Claim:
             'felt_edge': self.edge if lying else None,
             'felt_edges': list(self.felt.best.edges) if lying else [],
             'felt_x': self.x if lying and np.isfinite(self.x) else None,
+            'felt_x_deviation': _finite(self.felt.best.x_deviation) if lying else None,
+            'felt_probability': self.felt.best.probability if lying else None,
         }
 
     @classmethod
@@ -150,6 +152,10 @@ def reported_as_kept(
         return kept_to_plan(feeler, trajectory, course, float(said.get('deviation') or 'inf'))
     except ValueError:
         return False
+
+
+def _finite(number: float) -> float | None:
+    return number if np.isfinite(number) else None
 
 
 def _missing(feeler: Feeler, scenario: Scenario, edge: int, segment: int, x: float) -> str:

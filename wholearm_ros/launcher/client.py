@@ -15,6 +15,7 @@ from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.messages import (
+    FEEL_GOAL,
     NANOSECONDS,
     NO_GOAL,
     goal_message,
@@ -154,6 +155,12 @@ class Client:
         self.latest.result, stamp = {}, self.node.get_clock().now().to_msg()
         self._request_stamp = str(to_nanoseconds(stamp))
         self._goal.publish(goal_message(to_goal_id(plan_id), stamp))
+
+    def feel(self) -> None:
+        """Asks the generator what lies in the hand; its result says so."""
+        self.latest.result, stamp = {}, self.node.get_clock().now().to_msg()
+        self._request_stamp = str(to_nanoseconds(stamp))
+        self._goal.publish(goal_message(FEEL_GOAL, stamp))
 
     def reorient(self) -> str:
         """Asks the supervisor for the goal of its scenario, attempt after attempt; the goal's id."""

@@ -1,0 +1,78 @@
+"""`wholearm feel`: what lies in the hand, before anything is planned."""
+
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from wholearm_ros.cli.options import BackendOption, JsonOption
+from wholearm_ros.cli.output import FAILED, INTERRUPTED, err, finish, out, print_plain, write_json
+from wholearm_ros.errors import WholeArmError
+from wholearm_ros.launcher.feel import feel_graph
+from wholearm_ros.launcher.launcher import RunOptions
+from wholearm_ros.model.backends import DEFAULT_BACKEND
+from wholearm_ros.model.choices import Backend, Pacing
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.package_share import scenario_path
+from wholearm_ros.ros.interface.transport import choose_transport
+
+EPILOG = 'Exit codes: 0 the object lies on a known edge, 1 nothing or not known, 2 bad input.'
+
+
+def feel(
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            metavar='[SCENARIO]',
+            help='Whose object is believed to be there; its start is not used.',
+            show_default='asymmetric_hexagon',
+        ),
+    ] = '',
+    in_hand: Annotated[
+        str,
+        typer.Option(
+            '--in-hand',
+            metavar='SCENARIO',
+            help='What the simulated hand truly holds, if it is another.',
+        ),
+    ] = '',
+    pacing: Annotated[
+        Pacing, typer.Option('--pacing', help='realtime: wall clock; lockstep: simulated time.')
+    ] = Pacing.realtime,
+    rate: Annotated[
+        float, typer.Option('--rate', min=50.0, max=2000.0, help='Motor rate [Hz].')
+    ] = 1000.0,
+    backend: BackendOption = Backend(DEFAULT_BACKEND),
+    json_out: JsonOption = None,
+) -> None:
+    """Feel what lies in the hand, before anything is planned: on which edge, where, how surely.
+
+    Example: wholearm feel asymmetric_hexagon --pacing lockstep
+    """
+    choose_transport()
+    path = scenario_path(scenario).absolute()
+    held = scenario_path(in_hand).absolute() if in_hand else path
+    for name in (path, held):
+        load_scenario(name)
+    options = RunOptions(str(path), pacing=pacing.value, rate=rate, backend=backend.value)
+    try:
+        told = feel_graph(options, str(held), lambda line: err.print(escape(line)))
+    except KeyboardInterrupt:
+        out.print('interrupted: every node has been stopped')
+        raise typer.Exit(INTERRUPTED) from None
+    except WholeArmError as error:
+        out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
+        raise typer.Exit(FAILED) from None
+    known = bool(told.get('felt_edge'))
+    out.print('[bold green]felt[/]' if known else '[bold red]not known[/]')
+    reason = told.get('claim_reason') or told.get('reason', '')
+    print_plain(reason.partition(': ')[0] if known else reason)  # of a goal nothing was asked
+    if known:
+        print_plain(
+            f'edges {told["felt_edges"]}, x = {float(told["felt_x"]):+.4f} m '
+            f'± {1e3 * float(told["felt_x_deviation"]):.1f} mm, '
+            f'probability {float(told["felt_probability"]):.4f}'
+        )
+    if json_out is not None:
+        write_json(json_out, dict(told))
+    finish(known)
