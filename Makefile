@@ -18,7 +18,7 @@ run: $(STAMP)
 	$(PY) -m wholearm_ros run $(SCENARIO) --pacing lockstep --record $$out/bag --figures $$out/figures
 
 test: lint
-	@$(PY) -m pytest -m "not faults" -n $(WORKERS) --dist loadgroup $(ARGS)
+	@$(PY) -m pytest -m "not faults" -n $(WORKERS) $(ARGS)
 
 # Style, types and rooms; test/test_layout.py holds the rooms, too.
 lint: $(STAMP)

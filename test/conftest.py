@@ -17,17 +17,20 @@ settings.register_profile(
 settings.load_profile('same')
 
 _domains = itertools.count(os.getpid() * 7)
-GRAPH = 'graph'  # tests that start nodes run one after another
+# Tests that start nodes run one after another.
+GRAPH = ('test/ros/', 'test/examples/test_examples.py', 'test/report/test_docs.py')
 
 
-@pytest.hookimpl(tryfirst=True)  # before xdist looks at the groups
-def pytest_collection_modifyitems(items):
-    """Of two processes (`-n 2 --dist loadgroup`) one starts nodes, and a file stays in one of them."""
-    for item in items:
-        group = (
-            GRAPH if item.get_closest_marker(GRAPH) or '/test/ros/' in str(item.path) else item.path
-        )
-        item.add_marker(pytest.mark.xdist_group(str(group)))
+@pytest.hookimpl(optionalhook=True)  # of xdist
+def pytest_xdist_make_scheduler(config, log):
+    """Of the processes (`-n 2`) one starts nodes; every other file stays in one of them, for its fixtures."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class OneGraphAtATime(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return 'graph' if nodeid.startswith(GRAPH) else nodeid.partition('::')[0]
+
+    return OneGraphAtATime(config, log)
 
 
 @pytest.fixture(scope='session')

@@ -40,7 +40,6 @@ def test_an_example_runs(name, tmp_path):
     assert all(word in told for word in words), told
 
 
-@pytest.mark.graph
 def test_the_plan_service_is_called(tmp_path):
     pytest.importorskip('rclpy', reason='needs ROS 2')
     from conftest import fresh_domain

@@ -93,7 +93,6 @@ def test_commands_parse(line):
         assert (ROOT / words[0]).exists()
 
 
-@pytest.mark.graph  # the README has a `wholearm run`
 @pytest.mark.parametrize(
     'name',
     [
