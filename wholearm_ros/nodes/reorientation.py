@@ -2,6 +2,7 @@
 
 import json
 import sys
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -49,6 +50,7 @@ DECLARED = (
     ),
 )
 WATCH_PERIOD = 0.1  # [s]
+PLANNER_WITHIN = 5.0  # [s] for which the planner's services may be out of sight
 SET_PARAMETERS = channels.Service('contact_state_planner/set_parameters', SetParameters)
 BUSY = 'busy'  # how the planner begins its answer while it plans
 PLANNING, EXECUTES, FEELING = 'planning', 'executing', 'feeling'
@@ -73,6 +75,8 @@ class Reorientation(WholeArmNode):
         self.last: dict[str, str] = {}  # the generator's last result
         self.tries: list[dict[str, Any]] = []
         self.planner_is_busy = False
+        self.unasked: str | None = None  # scenario for a planner that is not seen yet
+        self.planner_seen = 0.0  # [s] on the machine's clock
 
         self.planner = self.create_client(channels.PLAN_SCENARIO.type, channels.PLAN_SCENARIO.name)
         self.planner_parameters = self.create_client(SET_PARAMETERS.type, SET_PARAMETERS.name)
@@ -147,9 +151,23 @@ class Reorientation(WholeArmNode):
             return
         self.phase, self.wanted = PLANNING, ''
         self.publish_feedback({})
-        self.configure_planner(
-            json.dumps(scenario_to_dict(self.waiting.pop(0))), then=self.on_configured
-        )
+        self.unasked = json.dumps(scenario_to_dict(self.waiting.pop(0)))
+        self.planner_seen = time.monotonic()
+        self.look_for_planner()
+
+    def look_for_planner(self) -> None:
+        """Asked as soon as it is seen: a node that has just begun may not have found it yet."""
+        ready = self.planner.service_is_ready() and self.planner_parameters.service_is_ready()
+        if not ready:
+            if time.monotonic() - self.planner_seen > PLANNER_WITHIN:
+                self.end(ABORTED, 'contact_state_planner is gone, or not there yet')
+            return
+        self.planner_seen = time.monotonic()
+        if self.unasked is not None:
+            scenario, self.unasked = self.unasked, None
+            self.configure_planner(scenario, then=self.on_configured)
+        elif self.planner_is_busy:
+            self.ask_for_plan()
 
     def configure_planner(self, scenario: str, then: Callable[[Any], None] | None) -> None:
         """Tell the planner its scenario, a document or what the parameter was."""
@@ -252,10 +270,8 @@ class Reorientation(WholeArmNode):
         """A node that is gone answers no more."""
         if not self.goals.active:
             return
-        if self.phase == PLANNING and not self.planner.service_is_ready():
-            self.end(ABORTED, 'contact_state_planner is gone, or not there yet')
-        elif self.phase == PLANNING and self.planner_is_busy:
-            self.ask_for_plan()
+        if self.phase == PLANNING:
+            self.look_for_planner()
         elif self.phase != PLANNING and not self.count_publishers(channels.RESULT.name):
             self.end(ABORTED, 'trajectory_generator is gone')
 
