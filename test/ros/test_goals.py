@@ -21,8 +21,7 @@ pytestmark = pytest.mark.timeout(280)
 def test_goals_are_rejected_canceled_and_repeated(graph):
     graph.start(
         ALL,
-        hand_hardware={'motor_rate': 250.0},
-        torque_controller={'motor_rate': 250.0},
+        hand_hardware={'backend': 'planar'},
         mode_switcher={'probe': False},  # nothing here asks where the object lies
     )
     status, modes = graph.listen(channels.GOAL_STATUS), graph.listen(channels.MODE)
@@ -44,7 +43,9 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
     assert second.latest.result['outcome'] == 'rejected' and 'busy' in second.latest.result_message
     second.close()  # a client that leaves changes nothing
 
-    graph.wait(lambda: float(heard.feedback.get('progress') or 0) > 0.2, 'progress')
+    # The fingers are away from where they began from 0.1 on, and back there at 0.6; at 1000 Hz lockstep
+    # takes more than a second from here to there.
+    graph.wait(lambda: float(heard.feedback.get('progress') or 0) > 0.12, 'progress')
     heard.result = {}
     graph.client.cancel()
     graph.wait(lambda: heard.result, 'result')
