@@ -5,9 +5,8 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from wholearm_ros.cli.options import BackendOption, JsonOption
-from wholearm_ros.cli.output import FAILED, INTERRUPTED, err, finish, out, print_plain, write_json
-from wholearm_ros.errors import WholeArmError
+from wholearm_ros.cli.options import BackendOption, JsonOption, PacingOption, RateOption
+from wholearm_ros.cli.output import err, finish, graph_at_work, out, print_plain, write_json
 from wholearm_ros.launcher.feel import feel_graph
 from wholearm_ros.launcher.launcher import RunOptions
 from wholearm_ros.model.backends import DEFAULT_BACKEND
@@ -36,12 +35,8 @@ def feel(
             help='What the simulated hand truly holds, if it is another.',
         ),
     ] = '',
-    pacing: Annotated[
-        Pacing, typer.Option('--pacing', help='realtime: wall clock; lockstep: simulated time.')
-    ] = Pacing.realtime,
-    rate: Annotated[
-        float, typer.Option('--rate', min=50.0, max=2000.0, help='Motor rate [Hz].')
-    ] = 1000.0,
+    pacing: PacingOption = Pacing.realtime,
+    rate: RateOption = 1000.0,
     backend: BackendOption = Backend(DEFAULT_BACKEND),
     json_out: JsonOption = None,
 ) -> None:
@@ -55,14 +50,8 @@ def feel(
     for name in (path, held):
         load_scenario(name)
     options = RunOptions(str(path), pacing=pacing.value, rate=rate, backend=backend.value)
-    try:
+    with graph_at_work():
         told = feel_graph(options, str(held), lambda line: err.print(escape(line)))
-    except KeyboardInterrupt:
-        out.print('interrupted: every node has been stopped')
-        raise typer.Exit(INTERRUPTED) from None
-    except WholeArmError as error:
-        out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
-        raise typer.Exit(FAILED) from None
     known = bool(told.get('felt_edge'))
     out.print('[bold green]felt[/]' if known else '[bold red]not known[/]')
     reason = told.get('claim_reason') or told.get('reason', '')

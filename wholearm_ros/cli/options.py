@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from wholearm_ros.model.backends import JUDGES
-from wholearm_ros.model.choices import Backend, Search, Transition
+from wholearm_ros.model.choices import Backend, Pacing, Search, Transition
 
 TIME_BUDGET = 180.0  # [s]
 MIN_SUCCESS = 0.8
@@ -100,6 +100,15 @@ PerturbOption = Annotated[
         '1: ±5 %, ±0.5 mm, 0-0.05, 0-3 ms, ±3 %, 0.2 mrad.',
     ),
 ]
+PacingOption = Annotated[
+    Pacing,
+    typer.Option(
+        '--pacing',
+        help='realtime: wall clock; lockstep: simulated time waits for every command, '
+        'the same result on any machine.',
+    ),
+]
+RateOption = Annotated[float, typer.Option('--rate', min=50.0, max=2000.0, help='Motor rate [Hz].')]
 ViewOption = Annotated[
     bool, typer.Option('--view', help="Open PyBullet's window, where there is a screen.")
 ]

@@ -3,6 +3,9 @@ file.
 """
 
 import json
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -23,6 +26,25 @@ out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 def finish(success: bool) -> NoReturn:
     """End the command: exit code 0, or 1 for an honest failure."""
     raise typer.Exit(OK if success else FAILED)
+
+
+@contextmanager
+def graph_at_work() -> Iterator[None]:
+    """Around what needs the graph: the command ends when that breaks, or when interrupted."""
+
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    except KeyboardInterrupt:
+        out.print('interrupted: every node has been stopped')
+        raise typer.Exit(INTERRUPTED) from None
+    except WholeArmError as error:
+        out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
+        raise typer.Exit(FAILED) from None
 
 
 def exit_code_of(error: WholeArmError) -> int:

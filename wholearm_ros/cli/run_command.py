@@ -1,9 +1,8 @@
 """`wholearm run`: plan and execute on the ROS 2 graph, each node a process of its own."""
 
 import os
-import signal
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.markup import escape
@@ -12,12 +11,14 @@ from wholearm_ros.cli.options import (
     TIME_BUDGET,
     BackendOption,
     BudgetOption,
+    PacingOption,
+    RateOption,
     SearchOption,
     SeedOption,
     TransitionOption,
     ViewOption,
 )
-from wholearm_ros.cli.output import FAILED, INTERRUPTED, finish, out
+from wholearm_ros.cli.output import finish, graph_at_work, out
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.figures import figures_of, figures_without_a_plan
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, attempt_line, run_graph
@@ -40,14 +41,7 @@ def run(
             show_default='asymmetric_hexagon',
         ),
     ] = '',
-    pacing: Annotated[
-        Pacing,
-        typer.Option(
-            '--pacing',
-            help='realtime: wall clock; lockstep: simulated time waits for every command, '
-            'the same result on any machine.',
-        ),
-    ] = Pacing.realtime,
+    pacing: PacingOption = Pacing.realtime,
     seed: SeedOption = 0,
     record: Annotated[
         Path | None, typer.Option('--record', metavar='DIR', help='Record a bag; DIR is made.')
@@ -60,9 +54,7 @@ def run(
         Storage, typer.Option('--storage', help='Format of the bag.')
     ] = Storage.mcap,
     view: ViewOption = False,
-    rate: Annotated[
-        float, typer.Option('--rate', min=50.0, max=2000.0, help='Motor rate [Hz].')
-    ] = 1000.0,
+    rate: RateOption = 1000.0,
     backend: BackendOption = Backend(DEFAULT_BACKEND),
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
@@ -138,16 +130,8 @@ def _refuse_early(record: Path | None, figures: Path | None, view: bool) -> None
 
 def _run(scenario: Scenario, options: RunOptions) -> RunReport:
     """The run; ends the command when the graph breaks or is interrupted."""
-    _interrupt_on_sigterm()
-    try:
-        with view_on(out) as view:
-            return run_graph(scenario, options, view, on_client_ready=view.on_client_ready)
-    except KeyboardInterrupt:
-        out.print('interrupted: every node has been stopped')
-        raise typer.Exit(INTERRUPTED) from None
-    except WholeArmError as error:
-        out.print(f'[bold red]failed:[/] {escape(str(error))}', soft_wrap=True)
-        raise typer.Exit(FAILED) from None
+    with graph_at_work(), view_on(out) as view:
+        return run_graph(scenario, options, view, on_client_ready=view.on_client_ready)
 
 
 def _print(report: RunReport, options: RunOptions) -> None:
@@ -193,11 +177,3 @@ def _timings(report: RunReport) -> str:
 
 def _line(name: str, text: object) -> None:
     out.print(f'{name:12}{escape(str(text))}', soft_wrap=True)
-
-
-def _interrupt_on_sigterm() -> None:
-    def interrupt(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, interrupt)
-    signal.signal(signal.SIGTERM, interrupt)

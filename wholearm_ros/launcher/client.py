@@ -2,6 +2,7 @@
 
 import time
 import uuid
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -124,23 +125,36 @@ class Client:
             s.name: self.node.create_client(s.type, s.name)
             for s in (channels.PLAN_SCENARIO, channels.STOP, channels.RESET)
         }
-        publishers, subscribers = self.node.count_publishers, self.node.count_subscribers
-        ends = (
-            (publishers, channels.JOINT_COMMANDS, 2),
-            (subscribers, channels.JOINT_COMMANDS, 1),
-            (publishers, channels.JOINT_STATES, 1),
-            (subscribers, channels.JOINT_STATES, 3),
-            (subscribers, channels.VELOCITY_SETPOINT, 1),
-            (subscribers, channels.TORQUE_SETPOINT, 1),
-            (subscribers, channels.MANIPULATION_TRAJECTORY, 2),
-            (subscribers, channels.GOAL, 1),
-            (subscribers, channels.GOAL_STATUS, 1),
-            (subscribers, channels.CONTACT_PLAN, 2),
-        )
         for name, client in services.items():
             self.wait(client.service_is_ready, seconds, f'service {name}')
-        for count, topic, least in ends:
-            self.wait(lambda: count(topic.name) >= least, seconds, f'topic {topic.name}')
+        self.wait_for_publishers(
+            seconds, ((channels.JOINT_COMMANDS, 2), (channels.JOINT_STATES, 1))
+        )
+        self.wait_for_subscribers(
+            seconds,
+            (
+                (channels.JOINT_COMMANDS, 1),
+                (channels.JOINT_STATES, 3),
+                (channels.VELOCITY_SETPOINT, 1),
+                (channels.TORQUE_SETPOINT, 1),
+                (channels.MANIPULATION_TRAJECTORY, 2),
+                (channels.GOAL, 1),
+                (channels.GOAL_STATUS, 1),
+                (channels.CONTACT_PLAN, 2),
+            ),
+        )
+
+    def wait_for_publishers(self, seconds: float, least: Iterable[tuple[channels.Topic, int]]):
+        """Until every topic has at least so many; raises GraphError after `seconds` each."""
+        self._wait_for(self.node.count_publishers, seconds, least)
+
+    def wait_for_subscribers(self, seconds: float, least: Iterable[tuple[channels.Topic, int]]):
+        """Until every topic has at least so many; raises GraphError after `seconds` each."""
+        self._wait_for(self.node.count_subscribers, seconds, least)
+
+    def _wait_for(self, count, seconds, least):
+        for topic, number in least:
+            self.wait(lambda: count(topic.name) >= number, seconds, f'topic {topic.name}')
 
     def call(self, service: channels.Service, seconds: float, request=None):
         """The response of `service`."""

@@ -3,7 +3,8 @@
 import json
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Optional
@@ -138,14 +139,27 @@ def run_graph(
 
     on_client_ready: is given the client before anything happens, to listen to more of the run.
     """
+    with running_graph(node_parameters(options), log_directory) as client:
+        on_client_ready(client)
+        return _plan_and_execute(client, scenario, options, tell)
+
+
+@contextmanager
+def running_graph(
+    parameters: dict[str, dict[str, Any]], log_directory: Optional[Path] = None
+) -> Iterator[Client]:
+    """A client of the nodes that are named, each a process, until the context ends.
+
+    parameters: by node, see `node_parameters`; log_directory: of their output, none is kept by
+    default. Raises DomainTaken at the start, NodeDied when a node ends while the client waits.
+    """
     with alone_in_domain(), tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
         with Processes(Path(log_directory or scratch)) as processes:
-            for node, parameters in node_parameters(options).items():
-                processes.start(node, parameters)
+            for node, values in parameters.items():
+                processes.start(node, values)
             client = Client(watch=processes.check)
             try:
-                on_client_ready(client)
-                return _plan_and_execute(client, scenario, options, tell)
+                yield client
             finally:
                 client.close()
 
