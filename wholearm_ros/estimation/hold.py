@@ -28,3 +28,11 @@ def hold_trajectory(
         poses=np.tile(pose, (rows, 1)),
         segments=(Segment(0.0, PERIOD * (rows - 1), DYNAMIC, held),),
     )
+
+
+def hold_after(
+    before: ManipulationTrajectory, angles: np.ndarray, weights: np.ndarray
+) -> ManipulationTrajectory:
+    """What goes before another probe after `before`: held from the other side than the last one."""
+    held = 1 - before.segments[-1].velocity_finger
+    return hold_trajectory(angles, weights, before.poses[-1], held)

@@ -25,7 +25,6 @@ from wholearm_ros.ros.interface.goals import (
     EXECUTING,
     NAMES,
     SUCCEEDED,
-    Goals,
 )
 from wholearm_ros.ros.interface.messages import (
     FEEL_GOAL,
@@ -33,13 +32,12 @@ from wholearm_ros.ros.interface.messages import (
     goal_id_of,
     goal_message,
     goal_name,
-    goal_statuses,
-    status_message,
     to_goal_id,
     to_nanoseconds,
     values_of,
 )
 from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.goal_server import GoalServer
 from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 
@@ -65,7 +63,13 @@ class Reorientation(WholeArmNode):
     def __init__(self) -> None:
         super().__init__('reorientation', DECLARED)
         self.scenario = scenario_of(self.parameters)  # refused now rather than at the first goal
-        self.goals = Goals()
+        self.goals = GoalServer(
+            self,
+            'reorientation',
+            channels.REORIENTATION_STATUS,
+            channels.REORIENTATION_FEEDBACK,
+            channels.REORIENTATION_RESULT,
+        )
         self.supervision = Supervision(self.scenario)
         self.phase, self.round, self.why_no_plan = '', 0, ''
         self.waiting: list[Scenario] = []  # scenarios still to be tried for this attempt
@@ -82,9 +86,6 @@ class Reorientation(WholeArmNode):
         self.planner_parameters = self.create_client(SET_PARAMETERS.type, SET_PARAMETERS.name)
         self.generator_goal = self.publisher(channels.GOAL)
         self.generator_cancel = self.publisher(channels.CANCEL)
-        self.status = self.publisher(channels.REORIENTATION_STATUS)
-        self.feedback = self.publisher(channels.REORIENTATION_FEEDBACK)
-        self.result = self.publisher(channels.REORIENTATION_RESULT)
         self.subscription(channels.REORIENTATION_GOAL, self.on_goal)
         self.subscription(channels.REORIENTATION_CANCEL, self.on_cancel)
         self.subscription(channels.CONTACT_PLAN, self.on_plan)
@@ -92,39 +93,32 @@ class Reorientation(WholeArmNode):
         self.subscription(channels.FEEDBACK, self.on_generator_feedback)
         self.subscription(channels.RESULT, self.on_generator_result)
         self.every(WATCH_PERIOD, self.watch)
-        self.publish_status()
+        self.goals.publish_status()
 
     # -- goals of clients
 
     def on_goal(self, message: GoalInfo) -> None:
         """Accepted unless another one is active; any id, the scenario is the configured one."""
         goal = goal_id_of(message)
-        if self.goals.active or goal == NO_GOAL:
-            running = self.goals.active and goal_name(goal_id_of(self.goals.active.info))
-            reason = (
-                f'busy with goal {running}; allowed: one at a time'
-                if running
-                else 'the goal id is zero; allowed: any other UUID'
-            )
-            values = {'reason': reason, 'request_stamp': to_nanoseconds(message.stamp)}
-            self.publish_result(WARN, f'rejected: {reason}', goal, 'rejected', values)
+        zero = '' if goal != NO_GOAL else 'the goal id is zero; allowed: any other UUID'
+        reason = self.goals.busy or zero
+        if reason:
+            self.get_logger().warning(f'rejected: {reason}')
+            self.goals.reject(message, reason)
             return
         self.goals.accept(goal_message(goal, self.get_clock().now().to_msg()))
         self.goals.move(EXECUTING)
-        self.publish_status()
+        self.goals.publish_status()
         self.round, self.sent, self.last, self.tries = self.round + 1, None, {}, []
         self.supervision = Supervision(self.scenario, self.parameters.max_attempts)
         self.decide(self.supervision.begin())
 
     def on_cancel(self, message: GoalInfo) -> None:
         """At once while planning; while executing the hand comes to a hold first."""
-        goal, active = goal_id_of(message), self.goals.active
-        if not active or active.status == CANCELING:
-            return
-        if goal not in (NO_GOAL, goal_id_of(active.info)):
+        if not self.goals.canceled_by(message):
             return
         self.goals.move(CANCELING)
-        self.publish_status()
+        self.goals.publish_status()
         if self.sent is None:
             self.end(CANCELED, f'canceled while {self.phase}')
         else:
@@ -281,7 +275,7 @@ class Reorientation(WholeArmNode):
         """The active goal's; the planner gets back the scenario it had."""
         goal = self.goals.move(status, reason)
         self.round, self.phase, self.sent = self.round + 1, '', None
-        self.publish_status()
+        self.goals.publish_status()
         self.configure_planner(self.parameters.scenario, then=None)
         felt = {k: v for k, v in self.last.items() if k.startswith(('felt', 'claimed'))}
         values = {
@@ -292,36 +286,23 @@ class Reorientation(WholeArmNode):
             'tries': json.dumps(self.tries),
         }
         name, level = NAMES[status], OK if status == SUCCEEDED else WARN
-        self.publish_result(level, f'{name}: {reason}', goal_id_of(goal.info), name, values)
-
-    def publish_result(
-        self, level: bytes, message: str, goal: bytes, outcome: str, values: dict[str, Any]
-    ) -> None:
-        """One result."""
-        told = {'goal_id': goal_name(goal), 'outcome': outcome, **values}
-        self.result.publish(status_message('reorientation', level, message, told))
+        message = f'{name}: {reason}'
+        self.goals.publish_result(level, message, goal_id_of(goal.info), name, values)
         if level == OK:
             self.get_logger().info(message)
         else:  # rclpy wants every line of code to keep to one severity
             self.get_logger().warning(message)
 
-    def publish_status(self) -> None:
-        """Of every goal that is remembered."""
-        self.status.publish(goal_statuses(self.goals.entries()))
-
     def publish_feedback(self, progress: dict[str, str]) -> None:
         """phase and attempt, and what the generator says while it executes."""
-        assert self.goals.active is not None
         values = {
-            'goal_id': goal_name(goal_id_of(self.goals.active.info)),
             'phase': self.phase,
             'attempt': self.supervision.attempts + (self.phase != FEELING),
             'max_attempts': self.supervision.max_attempts,
             'tries': json.dumps(self.tries),
             **{key: progress.get(key, '') for key in ('mode', 'progress', 'time_left')},
         }
-        name = NAMES[self.goals.active.status]
-        self.feedback.publish(status_message('reorientation', OK, name, values))
+        self.goals.publish_feedback(values)
 
     def now(self) -> Any:
         """Stamp of this instant."""

@@ -6,7 +6,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
@@ -18,7 +17,7 @@ from wholearm_ros.estimation.claim import (
     reported_claim,
 )
 from wholearm_ros.estimation.feel import Feeler
-from wholearm_ros.estimation.hold import hold_trajectory
+from wholearm_ros.estimation.hold import hold_after, hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
 from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.plan import ContactPlan
@@ -32,23 +31,20 @@ from wholearm_ros.ros.interface.goals import (
     EXECUTING,
     NAMES,
     SUCCEEDED,
-    Goals,
 )
 from wholearm_ros.ros.interface.messages import (
     FEEL_GOAL,
-    NO_GOAL,
     goal_id_of,
     goal_message,
     goal_name,
-    goal_statuses,
     set_stamp,
-    status_message,
     to_goal_id,
     to_joint_trajectory,
     to_nanoseconds,
     values_of,
 )
 from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.node.goal_server import GoalServer
 from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import plan_markers
@@ -73,7 +69,14 @@ class TrajectoryGenerator(WholeArmNode):
 
     def __init__(self):
         super().__init__('trajectory_generator', DECLARED)
-        self.goals, self.trajectory, self.plan_id = Goals(), None, None
+        self.goals = GoalServer(
+            self,
+            'trajectory_generator',
+            channels.GOAL_STATUS,
+            channels.FEEDBACK,
+            channels.RESULT,
+        )
+        self.trajectory = self.plan_id = None
         self.executed = self.published = None  # trajectory of the last goal; id of the newest one
         self.early = None  # a goal to feel, and since when it waits [s]
         self.kept = False  # whether the last run of a plan kept to it
@@ -85,15 +88,12 @@ class TrajectoryGenerator(WholeArmNode):
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
         self.manipulation_trajectory = self.publisher(channels.MANIPULATION_TRAJECTORY)
         self.markers = self.publisher(channels.MARKERS)
-        self.status = self.publisher(channels.GOAL_STATUS)
-        self.feedback = self.publisher(channels.FEEDBACK)
-        self.result = self.publisher(channels.RESULT)
         self.subscription(channels.CONTACT_PLAN, self.on_plan)
         self.subscription(channels.GOAL, self.on_goal)
         self.subscription(channels.CANCEL, self.on_cancel)
         self.subscription(channels.PROGRESS, self.on_progress)
         self.every(WATCH_PERIOD, self.watch)
-        self.publish_status()
+        self.goals.publish_status()
 
     def on_plan(self, message):
         plan = ContactPlan.from_json(message.data)
@@ -120,11 +120,8 @@ class TrajectoryGenerator(WholeArmNode):
             self.reject(
                 message, f'unknown plan {goal_name(goal)}; allowed: the newest plan ({known})'
             )
-        elif self.goals.active:
-            self.reject(
-                message,
-                f'busy with goal {goal_name(goal_id_of(self.goals.active.info))}; allowed: one at a time',
-            )
+        elif self.goals.busy:
+            self.reject(message, self.goals.busy)
         elif goal == FEEL_GOAL and not self.progress.get('angles'):
             self.early = (
                 message,
@@ -138,40 +135,30 @@ class TrajectoryGenerator(WholeArmNode):
             info = goal_message(goal, self.get_clock().now().to_msg())
             set_stamp(info.stamp, self.last_stamp)
             self.goals.accept(info)
-            self.publish_status()
+            self.goals.publish_status()
             self.accepted_at, self.claimed = time.monotonic(), None
             self.watch()
 
     def hold(self):
         """The fingers where they are, and the probe of what lies between them, from the other side than the last one."""
         angles = np.array(json.loads(self.progress['angles']))
-        weights, before = self.feeler.model.world.finger_moment, self.executed
-        held = 1 - before.segments[-1].velocity_finger if before else LEFT
-        pose = before.poses[-1] if before else self.feeler.hypotheses[0].pose
-        hold = hold_trajectory(angles, weights, pose, held)
-        probe = (
-            probe_after(self.feeler, hold)
-            if before
-            else probe_of_the_unknown(self.feeler, held, float(angles[held]))
-        )
+        weights = self.feeler.model.world.finger_moment
+        if self.executed:
+            hold = hold_after(self.executed, angles, weights)
+            probe = probe_after(self.feeler, hold)
+        else:
+            hold = hold_trajectory(angles, weights, self.feeler.hypotheses[0].pose, LEFT)
+            probe = probe_of_the_unknown(self.feeler, LEFT, float(angles[LEFT]))
         return replace(hold, plan_id=goal_name(FEEL_GOAL), probe=probe)
 
     def reject(self, request, reason: str):
-        """The stamp of the request tells its client that it is meant: others may have sent the same goal."""
         self.get_logger().warning(f'goal rejected: {reason}')
-        self.publish_result(
-            WARN,
-            f'rejected: {reason}',
-            goal_id_of(request),
-            'rejected',
-            {'reason': reason, 'request_stamp': to_nanoseconds(request.stamp)},
-        )
+        self.goals.reject(request, reason)
 
     def on_cancel(self, message):
-        goal, active = goal_id_of(message), self.goals.active
-        if active and active.status != CANCELING and goal in (NO_GOAL, goal_id_of(active.info)):
+        if self.goals.canceled_by(message):
             self.goals.move(CANCELING)
-            self.publish_status()
+            self.goals.publish_status()
 
     def on_progress(self, message):
         """Of the mode switcher, ten times a second and at every change of its mode."""
@@ -189,16 +176,12 @@ class TrajectoryGenerator(WholeArmNode):
             self.conclude(self.progress['mode'], active.status == CANCELING)
 
     def publish_feedback(self, progress: dict[str, str]):
-        values = {
-            'goal_id': goal_name(goal_id_of(self.goals.active.info)),
-            'mode': progress.get('mode', ''),
-            'progress': progress.get('progress', ''),
-            'time_left': progress.get('time left s', ''),
-        }
-        self.feedback.publish(
-            status_message(
-                'trajectory_generator', DiagnosticStatus.OK, NAMES[self.goals.active.status], values
-            )
+        self.goals.publish_feedback(
+            {
+                'mode': progress.get('mode', ''),
+                'progress': progress.get('progress', ''),
+                'time_left': progress.get('time left s', ''),
+            }
         )
 
     def watch(self):
@@ -211,7 +194,7 @@ class TrajectoryGenerator(WholeArmNode):
         silence = time.monotonic() - max(self.progress_at, self.accepted_at)
         if active.status == ACCEPTED and self.progress and silence < self.patience():
             self.goals.move(EXECUTING)  # a mode switcher is there
-            self.publish_status()
+            self.goals.publish_status()
             self.get_logger().info(f'executing plan {goal_name(goal_id_of(active.info))[:8]}')
         elif silence > self.patience():
             self.end(ABORTED, f'nothing from the mode switcher for {silence:.2f} s')
@@ -237,7 +220,7 @@ class TrajectoryGenerator(WholeArmNode):
 
     def end(self, status: int, reason: str):
         goal = self.goals.move(status, reason)
-        self.publish_status()
+        self.goals.publish_status()
         values = {
             'reason': reason,
             'stamp': self.progress.get('stamp', ''),
@@ -246,7 +229,7 @@ class TrajectoryGenerator(WholeArmNode):
             **({} if self.claimed is None else told_values(self.claimed)),
         }
         name = NAMES[status]
-        self.publish_result(
+        self.goals.publish_result(
             OK if status == SUCCEEDED else WARN,
             f'{name}: {reason}',
             goal_id_of(goal.info),
@@ -254,19 +237,6 @@ class TrajectoryGenerator(WholeArmNode):
             values,
         )
         self.get_logger().info(f'goal {goal_name(goal_id_of(goal.info))[:8]} {name}: {reason}')
-
-    def publish_result(self, level, message: str, goal: bytes, outcome: str, values: dict):
-        self.result.publish(
-            status_message(
-                'trajectory_generator',
-                level,
-                message,
-                {'goal_id': goal_name(goal), 'outcome': outcome, **values},
-            )
-        )
-
-    def publish_status(self):
-        self.status.publish(goal_statuses(self.goals.entries()))
 
     def health(self):
         active = self.goals.active

@@ -1,4 +1,4 @@
-"""The goals of the trajectory generator: which one is active, and how the last ones ended."""
+"""The goals of a node: which one is active, and how the last ones ended."""
 
 from dataclasses import dataclass, replace
 
