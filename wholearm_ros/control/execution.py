@@ -107,10 +107,10 @@ class Execution:
         return self.state.reason if self.felt is not None and self.state.mode == STOPPED else ''
 
     @property
-    def deviation(self) -> float:
-        """0 when both fingers kept to the trajectory's band to its end, infinite when they did not, or nobody knows."""
-        kept = self.trajectory.band is not None and self.state.progress >= 1.0
-        return 0.0 if kept and not self.state.deviated else float('inf')
+    def in_band(self) -> bool:
+        """Whether both fingers are known to have kept to the trajectory's band to its end."""
+        known = self.trajectory.band is not None and self.state.progress >= 1.0
+        return known and not self.state.deviated
 
     @property
     def deviated(self) -> str:

@@ -16,7 +16,6 @@ AT_GOAL, ELSEWHERE, LOST, UNKNOWN = 'at_goal', 'elsewhere', 'lost', 'unknown'
 UNVERIFIED = 'unverified'
 OUTCOMES = (AT_GOAL, ELSEWHERE, LOST, UNKNOWN)
 LIKELY = 0.9  # probability that is enough for what the plan led to, when the fingers kept to it
-KEPT = 0.06  # [rad] a run whose fingers never deviated by more has kept to its plan
 
 
 @dataclass(frozen=True)
@@ -108,17 +107,17 @@ def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Clai
 
 
 def kept_to_plan(
-    feeler: Feeler, trajectory: ManipulationTrajectory, course: np.ndarray, deviation: float
+    feeler: Feeler, trajectory: ManipulationTrajectory, course: np.ndarray, in_band: bool
 ) -> bool:
     """Whether the fingers kept to the plan.
 
-    course (m, 2), deviation [rad]: see `Execution`. For an object with edges that feel alike the whole course counts, else
-    the checkpoints: by themselves they leave it open whether the object slipped back by an edge between two of them.
+    course (m, 2) [rad], in_band: see `Execution`. For an object with edges that feel alike the way counts, too: the band
+    by itself leaves it open whether the object slipped back by an edge.
     """
     if feeler.symmetric:
         near = nearest_course(course, trajectory.courses)
-        return near < NEAR or (near < FAIRLY_NEAR and deviation < KEPT / 2)
-    return deviation < KEPT
+        return near < NEAR or (near < FAIRLY_NEAR and in_band)
+    return in_band
 
 
 def reported_claim(
@@ -144,12 +143,12 @@ def reported_claim(
 def reported_as_kept(
     feeler: Feeler, trajectory: ManipulationTrajectory, said: dict[str, str]
 ) -> bool:
-    """`kept_to_plan` from what the mode switcher says: texts `course` (JSON) and `deviation` [rad]; what cannot be read was
-    not kept to.
+    """`kept_to_plan` from what the mode switcher says: texts `course` (JSON) and `in band`; what cannot be read was not
+    kept to.
     """
     try:
         course = np.array(json.loads(said.get('course') or '[]'), float).reshape(-1, 2)
-        return kept_to_plan(feeler, trajectory, course, float(said.get('deviation') or 'inf'))
+        return kept_to_plan(feeler, trajectory, course, said.get('in band') == str(True))
     except ValueError:
         return False
 

@@ -10,7 +10,7 @@ import numpy as np
 # [rad] of either angle: of 34 runs of two regular hexagons that ended on another edge, from which this
 # was also chosen, the nearest was 0.048 off.
 NEAR = 0.032
-FAIRLY_NEAR = 0.042  # enough where the fingers kept closely to the plan at its checkpoints, too
+FAIRLY_NEAR = 0.042  # enough where the fingers kept to the plan's band, too
 SLACK = 2  # rows by which the instants of two courses may differ
 
 

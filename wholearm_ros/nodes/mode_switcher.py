@@ -248,7 +248,7 @@ class ModeSwitcher(WholeArmNode):
             'angles': '' if self.joints is None else json.dumps(self.joints.angles.tolist()),
             'pairs': felt_pairs(run),
             'interrupted': run.interrupted if run else '',
-            'deviation': run.deviation if run else '',
+            'in band': run.in_band if run else '',
             'deviated': run.deviated if run else '',
             'course': told_course(run),
         }

@@ -35,7 +35,7 @@ class RunRecord:
     modes: (m,) names; reason: why the switch stopped, '' when it did not; truth: the scenario with
     the perturbation applied; pairs: (2,) each [rad], what the probe measured; interrupted: why it
     ended early, '' when it did not; deviated: where and how the fingers left the trajectory's
-    band, '' when they did not; deviation, course (r, 2) [rad]: see `Execution`.
+    band, '' when they did not; in_band, course (r, 2) [rad]: see `Execution`.
     """
 
     times: np.ndarray
@@ -51,7 +51,7 @@ class RunRecord:
     pairs: tuple[np.ndarray, ...] = ()
     interrupted: str = ''
     deviated: str = ''
-    deviation: float = float('inf')
+    in_band: bool = False
     course: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
 
     def time_in_modes(self) -> dict[str, float]:
@@ -152,7 +152,7 @@ def lead(
         execution.pairs,
         execution.interrupted,
         execution.deviated,
-        execution.deviation,
+        execution.in_band,
         execution.course,
     )
 

@@ -10,7 +10,7 @@ from wholearm_ros.control.execution import PROBING, Execution
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.estimation.claim import UNKNOWN, UNVERIFIED, Claim, claim, kept_to_plan
 from wholearm_ros.estimation.feel import Feeler
-from wholearm_ros.estimation.hold import hold_trajectory
+from wholearm_ros.estimation.hold import hold_after
 from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.orientation import goal_rotation
@@ -177,11 +177,9 @@ class _Session:
 
     def feel(self) -> Claim:
         """A probe alone, from the other side than the last one."""
-        before = self.motions[-1].trajectory
-        held = 1 - before.segments[-1].velocity_finger
         angles, _ = self.hand.joints()
         weights = self.feeler.model.world.finger_moment
-        hold = hold_trajectory(angles, weights, before.poses[-1], held)
+        hold = hold_after(self.motions[-1].trajectory, angles, weights)
         return self._lead(hold, planned=False)
 
     def _lead(self, trajectory: ManipulationTrajectory, planned: bool) -> Claim:
@@ -191,7 +189,7 @@ class _Session:
         steps = int(np.ceil(seconds / self.hand.period))
         record = lead(self.hand, execution, self.controls, steps, self.perturbation)
         if planned:
-            self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.deviation)
+            self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
         said = self._claim(record, probe)
         self.motions.append(Motion(trajectory, record, said, planned))
         return said
