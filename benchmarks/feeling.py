@@ -24,6 +24,7 @@ import numpy as np
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.estimation.claim import AT_GOAL, LOST, UNKNOWN
 from wholearm_ros.model.scenario_file import parse_scenario
+from wholearm_ros.planner.legs import leg_of
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.simulation.outcome import outcome
@@ -53,7 +54,7 @@ def measure(task: SuiteEntry, levels: list, draws: int, options: SuiteOptions) -
         for level in levels:
             asked = replace(options, perturb=level)
             for draw in range(draws if level else 1):
-                made = execute(scenario, found.trajectory, asked, draw, task.name)
+                made = execute(scenario, leg_of(scenario, found), asked, draw, task.name)
                 run = described(scenario, made.attempts, options.attempts)
                 told['runs'].append({'level': level, 'draw': draw, **run})
     except WholeArmError as error:

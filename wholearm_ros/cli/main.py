@@ -15,6 +15,7 @@ from wholearm_ros.errors import WholeArmError
 COMMANDS = {
     'plan': 'Plan a scenario: contact states, the trajectory through them, verified.',
     'simulate': 'Execute a plan on a simulated hand, without ROS.',
+    'map': 'Find out from which face to which an object can be turned, and how surely.',
     'suite': 'Plan and execute many scenarios, and count what reached its goal.',
     'report': 'Write what happened as one HTML file.',
     'run': 'Plan and execute on the ROS 2 graph, each node a process.',

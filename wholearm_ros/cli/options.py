@@ -45,6 +45,16 @@ ScenarioName = Annotated[
         help='Scenario file, YAML or JSON, or the name of a shipped one (asymmetric_hexagon).',
     ),
 ]
+GoalEdgeOption = Annotated[
+    int | None,
+    typer.Option(
+        '--goal-edge',
+        min=0,
+        metavar='EDGE',
+        help="Lay the object on this edge, by any way, instead of the scenario's goal.",
+        show_default="the scenario's goal",
+    ),
+]
 SeedOption = Annotated[
     int,
     typer.Option(

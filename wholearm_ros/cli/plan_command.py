@@ -9,6 +9,7 @@ from wholearm_ros.cli.options import (
     MIN_SUCCESS,
     TIME_BUDGET,
     BudgetOption,
+    GoalEdgeOption,
     JsonOption,
     ScenarioName,
     SearchOption,
@@ -17,7 +18,7 @@ from wholearm_ros.cli.options import (
     TransitionOption,
 )
 from wholearm_ros.cli.output import finish, print_plain, write_text
-from wholearm_ros.cli.planning import plan_scenario
+from wholearm_ros.cli.planning import load_asked, plan_scenario
 from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.figures.figures import write_search_figures
@@ -25,6 +26,7 @@ from wholearm_ros.report.figures.figures import write_search_figures
 
 def plan(
     scenario: ScenarioName,
+    goal_edge: GoalEdgeOption = None,
     seed: SeedOption = 0,
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
@@ -47,7 +49,7 @@ def plan(
         time_budget=time_budget,
         min_success=min_success,
     )
-    result = plan_scenario(scenario, request)
+    result = plan_scenario(load_asked(scenario, goal_edge), request)
     if json_out:
         write_text(json_out, result.plan.to_json(), '--json')
     if figures is not None:

@@ -9,40 +9,54 @@ from rich.markup import escape
 from wholearm_ros.cli.output import err, out, print_plain
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.plan import FORMAT, ContactPlan
-from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scenario_to_dict
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.model.yaml_text import read_text
 from wholearm_ros.package_share import scenario_path
-from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.legs import plan_leg, stop_of
+from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
+from wholearm_ros.rollout.verification import Verification
 from wholearm_ros.suite.suite_file import MAX_BYTES
 from wholearm_ros.trajectory.main_trajectory import generate
 
 
-def plan_scenario(name: str, request: PlanRequest) -> PlanResult:
-    """Plan a scenario file, or a shipped scenario by name, and print what was found."""
+def load_asked(name: str, goal_edge: int | None) -> Scenario:
+    """A scenario file, or a shipped scenario by name, with the goal that was asked for on the command
+    line. Raises ScenarioError.
+    """
     scenario = load_scenario(name)
+    if goal_edge is None:
+        return scenario
+    return parse_scenario({**scenario_to_dict(scenario), 'goal': {'edge': goal_edge}}, '--goal-edge')
+
+
+def plan_scenario(scenario: Scenario, request: PlanRequest) -> PlanResult:
+    """Plan a scenario, from its object's map where there is one, and print what was found."""
     with err.status('planning') as status:
-        result = plan_and_verify(
+        result = plan_leg(
             scenario,
             request,
+            MapStore(scenario).load(),
             progress=lambda line: status.update(f'planning: {escape(line)}'),
         )
     print_plan(result)
+    stop = stop_of(scenario, result.plan.scenario)
+    if stop is not None and result.trajectory is not None:
+        print_plain(f'this is the first turn of several: it ends on edge {stop.edge}')
     return result
 
 
 def print_plan(result: PlanResult) -> None:
     """The verdict on the first line; then the route, the counts of the search and the times."""
     plan, trajectory, verified = result.plan, result.trajectory, result.verification
-    if trajectory is None or verified is None:
+    if trajectory is None:
         out.print(f'[bold red]no plan[/] ({plan.outcome}): {escape(plan.reason)}', soft_wrap=True)
     else:
-        survived = verified.to_dict()
         out.print(
             f'[bold green]plan found[/]: {trajectory.duration:.2f} s '
-            f'along {len(plan.path)} subgoals; '
-            f'{survived["survived"]} of {survived["copies"]} simulated samples reach the goal',
+            f'along {len(plan.path)} subgoals; {_survived(verified)}',
             soft_wrap=True,
         )
         if plan.certificate is not None:
@@ -51,6 +65,13 @@ def print_plan(result: PlanResult) -> None:
     counts = [f'{value} {name.replace("_", " ")}' for name, value in plan.counts.items()]
     times = [f'{k.removesuffix("_ms")} {v:.0f} ms' for k, v in result.timings.items()]
     print_plain(f'search: {", ".join(counts)}; {", ".join(times)}')
+
+
+def _survived(verified: Verification | None) -> str:
+    if verified is None:
+        return "from the object's map"
+    told = verified.to_dict()
+    return f'{told["survived"]} of {told["copies"]} simulated samples reach the goal'
 
 
 def read_plan(name: str) -> tuple[ContactPlan, ManipulationTrajectory] | None:

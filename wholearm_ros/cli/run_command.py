@@ -1,5 +1,6 @@
 """`wholearm run`: plan and execute on the ROS 2 graph, each node a process of its own."""
 
+import json
 import os
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +12,7 @@ from wholearm_ros.cli.options import (
     TIME_BUDGET,
     BackendOption,
     BudgetOption,
+    GoalEdgeOption,
     PacingOption,
     RateOption,
     SearchOption,
@@ -19,6 +21,7 @@ from wholearm_ros.cli.options import (
     ViewOption,
 )
 from wholearm_ros.cli.output import finish, graph_at_work, out
+from wholearm_ros.cli.planning import load_asked
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.figures import figures_of, figures_without_a_plan
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, attempt_line, run_graph
@@ -26,7 +29,7 @@ from wholearm_ros.launcher.live_view import view_on
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Backend, Pacing, Search, Storage, Transition
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.package_share import scenario_path
 from wholearm_ros.planner.supervision import MAX_ATTEMPTS
 from wholearm_ros.ros.interface.transport import choose_transport
@@ -41,6 +44,7 @@ def run(
             show_default='asymmetric_hexagon',
         ),
     ] = '',
+    goal_edge: GoalEdgeOption = None,
     pacing: PacingOption = Pacing.realtime,
     seed: SeedOption = 0,
     record: Annotated[
@@ -84,8 +88,9 @@ def run(
     _refuse_early(record, figures, view)
     choose_transport(network=network)
     path = scenario_path(scenario).absolute()
+    asked = load_asked(str(path), goal_edge)
     options = RunOptions(
-        str(path),
+        str(path) if goal_edge is None else json.dumps(scenario_to_dict(asked)),
         pacing=pacing.value,
         seed=seed,
         record=record and record.absolute(),
@@ -99,13 +104,13 @@ def run(
         probe=probe,
         attempts=attempts,
     )
-    report = _run(load_scenario(path), options)
-    _print(report, options)
+    report = _run(asked, options)
+    _print(report, options, str(path))
     if figures is not None and options.record is not None:
         drawn = (
             figures_of(options.record, figures)
             if report.planned
-            else figures_without_a_plan(load_scenario(path), report.message, figures)
+            else figures_without_a_plan(asked, report.message, figures)
         )
         for written in drawn:
             _line('report' if written.suffix == '.html' else 'figure', written)
@@ -134,7 +139,7 @@ def _run(scenario: Scenario, options: RunOptions) -> RunReport:
         return run_graph(scenario, options, view, on_client_ready=view.on_client_ready)
 
 
-def _print(report: RunReport, options: RunOptions) -> None:
+def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
     """The verdict first, then what led to it."""
     judged = report.judged
     if report.success:
@@ -144,7 +149,7 @@ def _print(report: RunReport, options: RunOptions) -> None:
         out.print(f'[bold red]not at the goal:[/] {escape(reason)}', soft_wrap=True)
     else:
         out.print(f'[bold red]not executed:[/] {escape(report.message)}', soft_wrap=True)
-    _line('scenario', options.scenario)
+    _line('scenario', scenario)
     if report.planned:
         _line('plan', report.message.removeprefix('plan '))
     _line('timings', _timings(report))

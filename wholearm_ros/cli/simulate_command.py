@@ -10,6 +10,7 @@ from wholearm_ros.cli.options import (
     MIN_SUCCESS,
     TIME_BUDGET,
     BudgetOption,
+    GoalEdgeOption,
     JsonOption,
     JudgeOption,
     PerturbOption,
@@ -21,9 +22,10 @@ from wholearm_ros.cli.options import (
     output_file,
 )
 from wholearm_ros.cli.output import finish, out, print_plain, write_json, write_text
-from wholearm_ros.cli.planning import plan_scenario, read_plan
+from wholearm_ros.cli.planning import load_asked, plan_scenario, read_plan
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Search, Transition
+from wholearm_ros.planner.legs import Leg
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.run_document import run_document
 from wholearm_ros.suite.execution import JudgedRun, execute
@@ -39,6 +41,7 @@ def simulate(
             'scenario.',
         ),
     ],
+    goal_edge: GoalEdgeOption = None,
     seed: SeedOption = 0,
     perturb: PerturbOption = 0.0,
     search: SearchOption = Search.best,
@@ -70,12 +73,12 @@ def simulate(
             time_budget=time_budget,
             min_success=min_success,
         )
-        result = plan_scenario(source, request)
+        result = plan_scenario(load_asked(source, goal_edge), request)
         if result.trajectory is None:
             finish(False)
         plan, trajectory = result.plan, result.trajectory
     options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, rate=rate)
-    execution = execute(plan.scenario, trajectory, options, view=view)
+    execution = execute(plan.scenario, Leg(trajectory, plan.scenario), options, view=view)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))
     if run_out:

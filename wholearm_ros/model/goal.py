@@ -26,6 +26,7 @@ class GoalRegion:
     coordinate; tolerance: (3,) in the same units; on_palm: whether the object shall lie on the
     palm, in which case `error` holds its height above the palm in place of y; vertices: (n, 2) [m]
     of the object about its centroid. Where the true object is known, target and vertices are its.
+    either_way: whether whole turns do not count, as for a goal without a direction.
 
     `margin` arguments: the share of all tolerances, or of each one (3,), that must remain unused.
     Planning asks for such a margin; outcomes are judged without.
@@ -36,6 +37,7 @@ class GoalRegion:
     on_palm: bool
     vertices: np.ndarray
     palm: Palm
+    either_way: bool = False
 
     @property
     def rotation(self) -> float:
@@ -57,7 +59,7 @@ class GoalRegion:
         """(3,) error of `pose` (3,): x, y (or height above the palm) [m], rotation [rad]; 0 where
         the goal does not name the coordinate.
         """
-        error = np.where(np.isnan(self.target), 0.0, pose - self.target)
+        error = self._difference(pose)
         if self.on_palm:
             error[1] = self.height(pose)
         return error
@@ -86,10 +88,17 @@ class GoalRegion:
         """Indices of the steps between successive poses (m, 3) that may cross the region, judged
         by x and rotation only: a quick filter for long paths.
         """
-        error = np.where(np.isnan(self.target), 0.0, poses - self.target)[:, [0, 2]]
+        error = self._difference(poses)[:, [0, 2]]
         allowed = ((1.0 - np.asarray(margin)) * self.tolerance)[[0, 2]]
         low, high = np.minimum(error[:-1], error[1:]), np.maximum(error[:-1], error[1:])
         return np.flatnonzero(((low <= allowed) & (high >= -allowed)).all(axis=1))
+
+    def _difference(self, poses: np.ndarray) -> np.ndarray:
+        """(..., 3) from the target; 0 where the goal does not name the coordinate."""
+        difference = np.where(np.isnan(self.target), 0.0, poses - self.target)
+        if self.either_way:
+            difference[..., 2] -= 2.0 * np.pi * np.round(difference[..., 2] / (2.0 * np.pi))
+        return difference
 
     def distance(self, pose: np.ndarray) -> float:
         """Largest error of `pose` (3,) as a share of its tolerance."""
@@ -100,14 +109,15 @@ def goal_region(scenario: Scenario) -> GoalRegion:
     """The goal region of `scenario` for the object that it holds (nominal or true)."""
     goal, polygon, palm = scenario.goal, scenario.object.polygon, scenario.palm
     if isinstance(goal, GoalAtPose):
-        target, tolerance, on_palm = goal.pose, goal.tolerance, False
+        target, tolerance, on_palm, either_way = goal.pose, goal.tolerance, False, False
     else:
         x = np.nan if goal.x is None else goal.x
         x_tolerance = X_TOLERANCE if goal.x_tolerance is None else goal.x_tolerance
         target = np.array([x, np.nan, goal_rotation(scenario)])
         tolerance, on_palm = np.array([x_tolerance, HEIGHT_TOLERANCE, ANGLE_TOLERANCE]), True
+        either_way = goal.direction is None
     fixed = np.array(target, float)
     fixed.setflags(write=False)
     return GoalRegion(
-        fixed, readonly(tolerance, (3,)), on_palm, polygon.vertices_about_centroid, palm
+        fixed, readonly(tolerance, (3,)), on_palm, polygon.vertices_about_centroid, palm, either_way
     )

@@ -67,21 +67,22 @@ class StartAtPose:
 
 @dataclass(frozen=True)
 class GoalOnEdge:
-    """At rest on `edge`, reached by turning in `direction` (CCW or CW), with the centroid within
-    x ± x_tolerance [m] where x is given.
+    """At rest on `edge`, with the centroid within x ± x_tolerance [m] where x is given.
+
+    direction: CCW or CW in which to turn, by a whole turn for the edge of the start; None for
+    either, and then the edge of the start needs no turn.
     """
 
     edge: int
-    direction: str
+    direction: str | None = None
     x: float | None = None
     x_tolerance: float | None = None
 
     def mirrored(self, edges: int) -> 'GoalOnEdge':
         """The mirror image (x → -x), for an object with that many edges."""
         x = None if self.x is None else -self.x
-        return GoalOnEdge(
-            edges - 1 - self.edge, CCW if self.direction == CW else CW, x, self.x_tolerance
-        )
+        direction = None if self.direction is None else CCW if self.direction == CW else CW
+        return GoalOnEdge(edges - 1 - self.edge, direction, x, self.x_tolerance)
 
 
 @dataclass(frozen=True, eq=False)

@@ -117,7 +117,7 @@ def _rest_problems(table: ScenarioTable) -> list[str]:
         ('start', table.start, StartOnEdgeTable),
         ('goal', table.goal, GoalOnEdgeTable),
     ):
-        if not isinstance(end, kind):
+        if not isinstance(end, kind) or end.edge is None:
             continue
         n = len(polygon.vertices)
         stable = [k for k in range(n) if polygon.can_rest_on(k)]
@@ -161,6 +161,11 @@ def _place_problems(table: ScenarioTable) -> list[str]:
             f'goal.x_tolerance: got {table.goal.x_tolerance} without goal.x; '
             'allowed: both or neither'
         )
+    if isinstance(table.goal, GoalOnEdgeTable) and table.goal.edge is None:
+        if table.goal.x is None:
+            problems.append('goal: got neither an edge nor x; allowed: either, or both, or a pose')
+        elif not isinstance(table.start, StartOnEdgeTable):
+            problems.append('goal.edge: missing; this key is needed when the start is a pose')
     return problems
 
 

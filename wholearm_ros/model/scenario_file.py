@@ -81,12 +81,19 @@ def _build(table: ScenarioTable) -> Scenario:
     start = (StartOnEdge if isinstance(table.start, StartOnEdgeTable) else StartAtPose)(
         **table.start.model_dump()
     )
-    goal = (GoalOnEdge if isinstance(table.goal, GoalOnEdgeTable) else GoalAtPose)(
-        **table.goal.model_dump()
-    )
     return Scenario(
-        thing, hand, Palm(np.array(table.palm.vertices)), gravity, start, goal, table.name
+        thing, hand, Palm(np.array(table.palm.vertices)), gravity, start, _goal(table), table.name
     )
+
+
+def _goal(table: ScenarioTable) -> GoalOnEdge | GoalAtPose:
+    given = table.goal.model_dump()
+    if not isinstance(table.goal, GoalOnEdgeTable):
+        return GoalAtPose(**given)
+    if table.goal.edge is None:  # along the palm
+        assert isinstance(table.start, StartOnEdgeTable)
+        given['edge'] = table.start.edge
+    return GoalOnEdge(**given)
 
 
 def _finger_to_dict(f: Finger) -> dict[str, Any]:
@@ -110,10 +117,9 @@ def _start_to_dict(start: StartOnEdge | StartAtPose) -> dict[str, Any]:
 def _goal_to_dict(goal: GoalOnEdge | GoalAtPose) -> dict[str, Any]:
     if isinstance(goal, GoalAtPose):
         return {'pose': goal.pose.tolist(), 'tolerance': goal.tolerance.tolist()}
-    optional = {'x': goal.x, 'x_tolerance': goal.x_tolerance}
+    optional = {'direction': goal.direction, 'x': goal.x, 'x_tolerance': goal.x_tolerance}
     return {
         'edge': goal.edge,
-        'direction': goal.direction,
         **{k: v for k, v in optional.items() if v is not None},
     }
 

@@ -79,8 +79,8 @@ class StartAtPoseTable(_Table):
 class GoalOnEdgeTable(_Table):
     """The key `goal`, on an edge."""
 
-    edge: Edge
-    direction: Literal['ccw', 'cw']  # CCW, CW of scenario.py
+    edge: Edge | None = None  # that of the start
+    direction: Literal['ccw', 'cw'] | None = None  # CCW, CW of scenario.py; the better one
     x: Coordinate | None = None
     x_tolerance: Positive | None = None
 

@@ -21,7 +21,8 @@ from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalAtPose, Scenario, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
-from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.legs import plan_leg
+from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.planner.warm import warm
 from wholearm_ros.ros.interface import channels
@@ -171,7 +172,7 @@ class ContactStatePlanner(WholeArmNode):
     def plan(self, scenario: Scenario, request: PlanRequest, done: Future) -> None:
         """Of the thread: `done` becomes a PlanResult or an exception."""
         try:
-            done.set_result(plan_and_verify(scenario, request))
+            done.set_result(plan_leg(scenario, request, MapStore(scenario).load()))
         except Exception as error:
             done.set_result(error)
         executor: Any = self.executor

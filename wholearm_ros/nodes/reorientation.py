@@ -12,9 +12,12 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import String
 
+from wholearm_ros.errors import WholeArmError
 from wholearm_ros.estimation.claim import AT_GOAL, UNKNOWN, UNVERIFIED, Claim
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
+from wholearm_ros.planner.legs import stop_of
 from wholearm_ros.planner.supervision import END, FEEL, MAX_ATTEMPTS, Decision, Supervision
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
@@ -71,8 +74,10 @@ class Reorientation(WholeArmNode):
             channels.REORIENTATION_RESULT,
         )
         self.supervision = Supervision(self.scenario)
-        self.phase, self.round, self.why_no_plan = '', 0, ''
-        self.waiting: list[Scenario] = []  # scenarios still to be tried for this attempt
+        self.phase, self.round = '', 0
+        self.asked: Scenario | None = None  # what the planner was asked for
+        self.stop: GoalOnEdge | None = None  # where what is executed ends, if not at the goal
+        self.stop_of_plan: GoalOnEdge | None = None  # likewise of the newest plan
         self.wanted = ''  # beginning of the id of the plan that shall be executed
         self.plan_id = self.trajectory_of = ''  # newest plan, and the plan of the newest trajectory
         self.sent: tuple[bytes, int] | None = None  # id and request stamp of the generator's goal
@@ -134,20 +139,20 @@ class Reorientation(WholeArmNode):
         elif decision.action == FEEL:
             self.send(FEEL_GOAL, FEELING)
         else:
-            self.waiting, self.why_no_plan = list(decision.scenarios), ''
-            self.plan_next()
+            assert decision.scenario is not None
+            self.ask(decision.scenario)
 
-    def plan_next(self) -> None:
-        """Ask for a plan of the next scenario that is waiting."""
-        if not self.waiting:
-            decision = self.supervision.no_plan(self.why_no_plan)
-            self.end(ABORTED, decision.reason)
-            return
-        self.phase, self.wanted = PLANNING, ''
+    def ask(self, scenario: Scenario) -> None:
+        """For a plan of that scenario."""
+        self.phase, self.wanted, self.asked = PLANNING, '', scenario
         self.publish_feedback({})
-        self.unasked = json.dumps(scenario_to_dict(self.waiting.pop(0)))
+        self.unasked = json.dumps(scenario_to_dict(scenario))
         self.planner_seen = time.monotonic()
         self.look_for_planner()
+
+    def no_plan(self, reason: str) -> None:
+        """The end of the goal."""
+        self.end(ABORTED, self.supervision.no_plan(reason).reason)
 
     def look_for_planner(self) -> None:
         """Asked as soon as it is seen: a node that has just begun may not have found it yet."""
@@ -175,11 +180,10 @@ class Reorientation(WholeArmNode):
     def on_configured(self, answer: Any) -> None:
         """The planner has its scenario, or says why not."""
         told = answer.results[0]
-        if not told.successful:
-            self.why_no_plan = told.reason
-            self.plan_next()
-            return
-        self.ask_for_plan()
+        if told.successful:
+            self.ask_for_plan()
+        else:
+            self.no_plan(told.reason)
 
     def ask_for_plan(self) -> None:
         """Of the scenario that the planner has."""
@@ -194,8 +198,7 @@ class Reorientation(WholeArmNode):
             self.planner_is_busy = True
             return
         if not answer.success:
-            self.why_no_plan = answer.message
-            self.plan_next()
+            self.no_plan(answer.message)
             return
         self.wanted = answer.message.partition('plan ')[2].partition(':')[0]
         self.send_when_ready()
@@ -213,6 +216,8 @@ class Reorientation(WholeArmNode):
     def on_plan(self, message: String) -> None:
         """The planner's newest."""
         self.plan_id = _key(message.data, 'id')
+        if self.asked is not None:
+            self.stop_of_plan = _stop(self.asked, message.data)
         self.send_when_ready()
 
     def on_trajectory(self, message: String) -> None:
@@ -224,6 +229,7 @@ class Reorientation(WholeArmNode):
         """The generator's goal, as soon as plan and trajectory are those that were answered."""
         ready = self.wanted and self.plan_id.startswith(self.wanted)
         if ready and self.trajectory_of == self.plan_id and self.phase == PLANNING:
+            self.stop = self.stop_of_plan
             self.send(to_goal_id(self.plan_id), EXECUTES)
 
     def send(self, goal: bytes, phase: str) -> None:
@@ -256,8 +262,10 @@ class Reorientation(WholeArmNode):
             ended_by_cancel = canceling or values.get('outcome') == 'canceled'
             self.end(CANCELED if ended_by_cancel else ABORTED, values.get('reason', ''))
             return
-        after = self.supervision.executed(said) if planned else self.supervision.felt(said)
-        self.supervision, decision = after
+        if planned:
+            self.supervision, decision = self.supervision.executed(said, self.stop)
+        else:
+            self.supervision, decision = self.supervision.felt(said)
         self.decide(decision)
 
     def watch(self) -> None:
@@ -274,7 +282,7 @@ class Reorientation(WholeArmNode):
     def end(self, status: int, reason: str) -> None:
         """The active goal's; the planner gets back the scenario it had."""
         goal = self.goals.move(status, reason)
-        self.round, self.phase, self.sent = self.round + 1, '', None
+        self.round, self.phase, self.sent, self.asked = self.round + 1, '', None, None
         self.goals.publish_status()
         self.configure_planner(self.parameters.scenario, then=None)
         felt = {k: v for k, v in self.last.items() if k.startswith(('felt', 'claimed'))}
@@ -327,6 +335,14 @@ def _key(document: str, key: str) -> str:
     except (ValueError, AttributeError, RecursionError):
         return ''
     return found if isinstance(found, str) else ''
+
+
+def _stop(asked: Scenario, document: str) -> GoalOnEdge | None:
+    """Where a plan for `asked` ends, when that is only a stop on the way; a damaged one ends nowhere."""
+    try:
+        return stop_of(asked, ContactPlan.from_json(document).scenario)
+    except WholeArmError:
+        return None
 
 
 def _claim(values: dict[str, str]) -> Claim | None:

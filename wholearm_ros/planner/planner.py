@@ -9,13 +9,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.orientation import directed
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.candidates import RouteSource, route_sources
 from wholearm_ros.planner.certification import Certification
 from wholearm_ros.planner.evaluation import Candidate, Evaluation
 from wholearm_ros.planner.refinement import refine_transitions
-from wholearm_ros.planner.refusal import refusal
+from wholearm_ros.planner.refusal import better_way, refusal
 from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.planner.stopwatch import PLAN, Stopwatch
 from wholearm_ros.rollout.band import build_band
@@ -31,12 +32,29 @@ def plan_and_verify(
     controls: ControlOptions = ControlOptions(),
     progress: Progress = lambda line: None,
 ) -> PlanResult:
-    """The first plan that is certified, with its trajectory, or the reason why there is none.
+    """The first plan that is certified, with its trajectory, or the reason why there is none; for
+    a goal without a direction, of both the one that succeeds more surely.
 
-    Raises ScenarioError when the start is impossible. `progress` is called with a line for people
-    now and then.
+    The plan's own scenario has the direction. Raises ScenarioError when the start is impossible.
+    `progress` is called with a line for people now and then.
     """
     watch = Stopwatch(request.time_budget)
+    answers: list[PlanResult] = []
+    for one_way in directed(scenario):
+        answers.append(_plan_one_way(one_way, request, controls, progress, watch))
+        if answers[-1].certain or watch.late():
+            break
+    return better_way(answers)
+
+
+def _plan_one_way(
+    scenario: Scenario,
+    request: PlanRequest,
+    controls: ControlOptions,
+    progress: Progress,
+    watch: Stopwatch,
+) -> PlanResult:
+    """The first plan that is certified of a scenario whose goal has its direction."""
     evaluation = Evaluation(scenario, request, controls, watch)
     certification = Certification(scenario, request, controls, watch)
     ended: list[ContactPlan] = []  # of each source of routes, the plan at which its search ended

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from wholearm_ros.model.plan import NOT_EXECUTABLE, TIME_SPENT, ContactPlan
+from wholearm_ros.model.scenario import CCW
 from wholearm_ros.planner.certification import Certification
 from wholearm_ros.planner.evaluation import Evaluation
 from wholearm_ros.planner.request import PlanResult
@@ -29,6 +30,22 @@ def refusal(
     plan = replace(first, outcome=outcome, reason=reason, path=(), legs=(), cost={})
     verification = evaluation.best.verification if evaluation.best else None
     return PlanResult(plan, None, evaluation.watch.timings, verification)
+
+
+def better_way(answers: list[PlanResult]) -> PlanResult:
+    """The surest of the answers for either direction, the first of equals; without a plan, why
+    neither has one.
+    """
+    best = max(answers, key=lambda answer: answer.success_rate)
+    if best.trajectory is not None or len(answers) == 1:
+        return best
+    reasons = (f'{_direction(answer)}: {answer.plan.reason}' for answer in answers)
+    return replace(best, plan=replace(best.plan, reason='; '.join(reasons)))
+
+
+def _direction(answer: PlanResult) -> str:
+    goal = answer.plan.scenario.goal
+    return 'counter-clockwise' if getattr(goal, 'direction', None) == CCW else 'clockwise'
 
 
 def _shortfall(evaluation: Evaluation, certification: Certification) -> str:

@@ -30,6 +30,9 @@ class PlanRequest:
     certificate_samples, certificate_level: fresh samples on which the chosen candidate is
     certified, 0 for no certificate; min_success: least lower bound of its success rate with which
     it is given; certifications: candidates that may be refused before the search gives up.
+
+    start_x_error: how far from the told x [m] on its edge the object may lie at the start, in the
+    perturbed samples and in those of the certificate.
     """
 
     search: str = BEST
@@ -51,6 +54,7 @@ class PlanRequest:
     certificate_level: float = 1.0
     min_success: float = 0.8
     certifications: int = 3
+    start_x_error: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +68,24 @@ class PlanResult:
     trajectory: ManipulationTrajectory | None
     timings: dict[str, float]
     verification: Verification | None = None
+
+    @property
+    def success_rate(self) -> float:
+        """Lower bound of its certificate, or without one its share over the samples that it was
+        chosen on; −1 without a plan.
+        """
+        if self.trajectory is None:
+            return -1.0
+        if self.plan.certificate is not None:
+            return self.plan.certificate.lower_bound
+        return self.verification.success_rate if self.verification else 0.0
+
+    @property
+    def certain(self) -> bool:
+        """Whether no other plan could do better on the samples of its certificate."""
+        certificate = self.plan.certificate
+        return (
+            self.trajectory is not None
+            and certificate is not None
+            and certificate.survived == certificate.samples
+        )

@@ -5,54 +5,81 @@ Pure: whoever executes tells the claim that came of it and is told what to do ne
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED, Claim
-from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
+from wholearm_ros.model.goal import X_TOLERANCE
+from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartOnEdge
 
 PLAN, FEEL, END = 'plan', 'feel', 'end'
 MAX_ATTEMPTS = 4
 FEELS = 2  # probes in a row that may leave it open where the object lies
+MOST_STOPS = 6  # on the way to one goal
 
 
 @dataclass(frozen=True)
 class Decision:
     """What to do next.
 
-    action: PLAN one of `scenarios` (the first for which there is a plan), FEEL once more, or END;
-    outcome and reason: of the end; scenarios: from what was felt, the shorter turn first.
+    action: PLAN `scenario`, from what was felt; FEEL once more; or END, with outcome and reason.
     """
 
     action: str
     outcome: str = ''
     reason: str = ''
-    scenarios: tuple[Scenario, ...] = ()
+    scenario: Scenario | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Supervision:
-    """scenario: with the goal as given; attempts: trajectories executed so far; feels: probes since
-    the last conclusive one; claims: so far, in order.
+    """scenario: with the goal as given; attempts: trajectories executed so far; stops: those that
+    arrived where they should on the way to the goal, which are not counted against `max_attempts`;
+    feels: probes since the last conclusive one; claims: so far, in order.
     """
 
     scenario: Scenario
     max_attempts: int = MAX_ATTEMPTS
     attempts: int = 0
+    stops: int = 0
     feels: int = 0
     claims: tuple[Claim, ...] = ()
 
     def begin(self) -> Decision:
         """What to do first."""
-        return Decision(PLAN, scenarios=(self.scenario,))
+        return Decision(PLAN, scenario=self.scenario)
 
-    def executed(self, claim: Claim) -> 'tuple[Supervision, Decision]':
-        """After a trajectory and its probe."""
+    def executed(
+        self, claim: Claim, stop: GoalOnEdge | None = None
+    ) -> 'tuple[Supervision, Decision]':
+        """After a trajectory and its probe.
+
+        stop: where the trajectory should end when that is not the goal; the claim is of it.
+        """
         after = replace(self, attempts=self.attempts + 1, feels=0, claims=(*self.claims, claim))
-        return after._decide(claim)
+        if stop is None or claim.outcome not in (AT_GOAL, ELSEWHERE) or claim.felt is None:
+            return after._decide(claim)
+        if self._fulfilled(claim):
+            return after, Decision(END, AT_GOAL, claim.reason)
+        after = replace(after, stops=after.stops + (claim.outcome == AT_GOAL))
+        return after._go_on(claim)
 
     def felt(self, claim: Claim) -> 'tuple[Supervision, Decision]':
         """After a probe alone."""
         return replace(self, claims=(*self.claims, claim))._decide(claim)
+
+    def no_plan(self, reason: str) -> Decision:
+        """When the scenario cannot be planned."""
+        last: Claim | None = self.claims[-1] if self.claims else None
+        where = f'; {last.reason}' if last else ''
+        outcome = last.outcome if last and last.outcome != AT_GOAL else ELSEWHERE
+        return Decision(END, outcome if last else UNKNOWN, f'no plan: {reason}{where}')
+
+    def from_felt(self, claim: Claim) -> Scenario:
+        """The scenario from where the object was felt, to its goal in either direction."""
+        assert claim.felt is not None
+        best = claim.felt.best
+        moved = replace(self.scenario, start=StartOnEdge(best.edges[0], best.x))
+        if isinstance(moved.goal, GoalAtPose):
+            return moved
+        return replace(moved, goal=replace(moved.goal, direction=None))
 
     def _decide(self, claim: Claim) -> 'tuple[Supervision, Decision]':
         after = replace(self, feels=self.feels + 1)
@@ -62,28 +89,19 @@ class Supervision:
             if after.feels < FEELS:
                 return after, Decision(FEEL)
             return after, Decision(END, UNKNOWN, claim.reason)
-        if self.attempts >= self.max_attempts:
-            return after, Decision(END, ELSEWHERE, claim.reason)
-        return replace(after, feels=0), Decision(PLAN, scenarios=self.from_felt(claim))
+        return replace(after, feels=0)._go_on(claim)
 
-    def from_felt(self, claim: Claim) -> tuple[Scenario, ...]:
-        """Scenarios that start where the object was felt; for a goal on an edge both directions,
-        the shorter turn first.
-        """
-        start = StartOnEdge(claim.edge, claim.x)
-        moved = replace(self.scenario, start=start)
-        if not isinstance(moved.goal, GoalOnEdge):
-            return (moved,)
-        polygon = moved.object.polygon
-        turn = polygon.resting_angle(moved.goal.edge) - polygon.resting_angle(claim.edge)
-        ccw = float(np.mod(turn, 2.0 * np.pi))
-        if ccw == 0.0:  # on its edge, but not where it should be
-            return (moved,)
-        order = (CCW, CW) if ccw <= np.pi else (CW, CCW)
-        return tuple(replace(moved, goal=replace(moved.goal, direction=d)) for d in order)
+    def _go_on(self, claim: Claim) -> 'tuple[Supervision, Decision]':
+        """From where the object was surely felt."""
+        if self.attempts - self.stops >= self.max_attempts or self.stops > MOST_STOPS:
+            return self, Decision(END, ELSEWHERE, claim.reason)
+        return self, Decision(PLAN, scenario=self.from_felt(claim))
 
-    def no_plan(self, reason: str) -> Decision:
-        """When none of the scenarios can be planned."""
-        last: Claim | None = self.claims[-1] if self.claims else None
-        where = f'; {last.reason}' if last else ''
-        return Decision(END, last.outcome if last else UNKNOWN, f'no plan: {reason}{where}')
+    def _fulfilled(self, claim: Claim) -> bool:
+        """Whether what was felt at a stop, or short of it, is the goal already."""
+        goal = self.scenario.goal
+        if isinstance(goal, GoalAtPose) or claim.felt is None or len(claim.felt.best.edges) > 1:
+            return False
+        tolerance = X_TOLERANCE if goal.x_tolerance is None else goal.x_tolerance
+        there = goal.x is None or abs(claim.felt.best.x - goal.x) <= tolerance
+        return goal.edge == claim.felt.best.edges[0] and there

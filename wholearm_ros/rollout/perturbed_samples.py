@@ -3,7 +3,7 @@ and open-loop torque.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Union
 
 import numpy as np
@@ -15,7 +15,7 @@ from wholearm_ros.mechanics.world import World, build_world
 from wholearm_ros.model.configuration import JOINTS, SIZE
 from wholearm_ros.model.goal import GoalRegion, goal_region
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario import Scenario, StartOnEdge
 from wholearm_ros.rollout.initial_state import perturbed_start
 
 STEP = 0.001  # [s]
@@ -56,18 +56,30 @@ class Run:
 
 
 def build_perturbed_samples(
-    scenario: Scenario, count: int, level: float, seed: Union[int, Sequence[int]]
+    scenario: Scenario,
+    count: int,
+    level: float,
+    seed: Union[int, Sequence[int]],
+    start_x_error: float = 0.0,
 ) -> tuple[PerturbedSample, ...]:
     """The nominal sample, and `count` perturbed ones at `level` (see Perturbation), always the
     same for a seed.
+
+    start_x_error: [m] by which the perturbed ones, on their edge, lie elsewhere than told.
     """
     rng = np.random.default_rng(seed)
-    drawn = (NOMINAL, *(draw_perturbation(rng, level, scenario) for _ in range(count)))
-    return tuple(_sample(scenario, p) for p in drawn)
+    drawn = [draw_perturbation(rng, level, scenario) for _ in range(count)]
+    shifts = start_x_error * rng.uniform(-1.0, 1.0, size=count)
+    perturbed = (_sample(scenario, p, x) for p, x in zip(drawn, shifts))
+    return (_sample(scenario, NOMINAL), *perturbed)
 
 
-def _sample(scenario: Scenario, perturbation: Perturbation) -> PerturbedSample:
+def _sample(
+    scenario: Scenario, perturbation: Perturbation, shift: float = 0.0
+) -> PerturbedSample:
     truth = perturbation.applied(scenario)
+    if shift and isinstance(truth.start, StartOnEdge):
+        truth = replace(truth, start=replace(truth.start, x=truth.start.x + shift))
     world = build_world(truth)
     return PerturbedSample(
         world, perturbed_start(scenario, truth, world), goal_region(truth), perturbation

@@ -8,12 +8,13 @@ import numpy as np
 from wholearm_ros.model.backends import JURY
 from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.legs import Leg, leg_of, plan_leg
+from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.jury import Verdict, hear
 from wholearm_ros.simulation.outcome import Outcome, outcome
-from wholearm_ros.suite.attempts import Attempts, run_attempts
+from wholearm_ros.suite.attempts import Attempts
+from wholearm_ros.suite.session import HandSession, Plan
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 
@@ -39,38 +40,49 @@ class JudgedRun:
 
 def execute(
     scenario: Scenario,
-    trajectory: ManipulationTrajectory,
+    first: Leg,
     options: SuiteOptions,
     draw: int = 0,
     name: str = '',
     view: bool = False,
 ) -> JudgedRun:
-    """Run `trajectory` under perturbation number `draw` of the task `name`, feel, and try again.
+    """Run the leg `first` under perturbation number `draw` of the task `name`, feel, and go on.
 
     name: the scenario's by default.
 
     Raises HardwareError when the backend is not installed.
     """
-    perturbation = draw_perturbation(
-        perturbation_rng(options, name or scenario.name, draw), options.perturb, scenario
-    )
+    perturbation = drawn_perturbation(scenario, options, draw, name)
     if options.backend == JURY:
-        verdict = hear(scenario, trajectory, perturbation, options.rate, options.controls)
+        told = first.scenario
+        verdict = hear(told, first.trajectory, perturbation, options.rate, options.controls)
         return _of_jury(scenario, verdict, perturbation)
-    attempts = run_attempts(
-        scenario,
-        trajectory,
-        perturbation,
-        lambda again: plan_and_verify(again, options.request).trajectory,
-        max_attempts=options.attempts,
-        probe=options.probe,
-        backend=options.backend,
-        rate=options.rate,
-        controls=options.controls,
-        view=view,
-    )
+    with HandSession(scenario, perturbation, options, view=view) as session:
+        attempts = session.pursue(scenario, leg_planner(scenario, first, options))
     judged = outcome(scenario, attempts.last)
     return JudgedRun(scenario, attempts.motions[0].record, judged, perturbation, attempts)
+
+
+def leg_planner(scenario: Scenario, first: Leg | None, options: SuiteOptions) -> Plan:
+    """`plan` of `HandSession.pursue`: the leg `first` for `scenario` itself, else a new one, from the
+    object's map where there is one.
+    """
+    face_map = MapStore(scenario).load() if options.maps else None
+
+    def plan(asked: Scenario) -> Leg | None:
+        if asked is scenario:
+            return first
+        return leg_of(asked, plan_leg(asked, options.request, face_map))
+
+    return plan
+
+
+def drawn_perturbation(
+    scenario: Scenario, options: SuiteOptions, draw: int, name: str = ''
+) -> Perturbation:
+    """Perturbation number `draw` of the task `name`, the scenario's by default."""
+    rng = perturbation_rng(options, name or scenario.name, draw)
+    return draw_perturbation(rng, options.perturb, scenario)
 
 
 def _of_jury(scenario: Scenario, verdict: Verdict, perturbation: Perturbation) -> JudgedRun:

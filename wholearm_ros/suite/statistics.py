@@ -12,10 +12,10 @@ TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
 
 def summarize(results: list[dict[str, Any]]) -> dict[str, Any]:
     """Summary of results. sound: successful runs / runs of planned tasks, None when nothing was
-    planned; jury: `jury_summary`.
+    planned; of a sequence every face is a run; jury: `jury_summary`.
     """
     planned = [r for r in results if r['planned']]
-    runs = [draw for r in planned for draw in r['draws']]
+    runs = [run for r in planned for draw in r['draws'] for run in draw.get('reached', [draw])]
     done = sum(draw['executed'] for draw in runs)
     return {
         'tasks': len(results),

@@ -13,7 +13,8 @@ class SuiteOptions:
 
     request: how every task is planned; perturb: level of the perturbations, 0 for none; draws:
     perturbed runs of each plan; backend (or JURY), rate [Hz]: of the hand; attempts: trajectories
-    at most in each run; probe: whether the end of each is felt. The jury does neither.
+    at most in each run; probe: whether the end of each is felt; the jury does neither;
+    maps: whether goals without a direction are looked up in the object's map, if one was made.
     """
 
     request: PlanRequest = PlanRequest()
@@ -24,6 +25,7 @@ class SuiteOptions:
     controls: ControlOptions = field(default_factory=ControlOptions)
     attempts: int = 1
     probe: bool = True
+    maps: bool = True
 
     @property
     def seed(self) -> int:

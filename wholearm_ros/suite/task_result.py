@@ -7,11 +7,12 @@ import numpy as np
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planner.planner import plan_and_verify
+from wholearm_ros.planner.legs import leg_of, plan_leg
+from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.suite.execution import JudgedRun, execute
+from wholearm_ros.suite.sequence import run_sequence
 from wholearm_ros.suite.statistics import TIMES
 from wholearm_ros.suite.suite_file import SuiteEntry
 from wholearm_ros.suite.suite_options import SuiteOptions
@@ -55,17 +56,23 @@ def _empty(name: str) -> Result:
 
 
 def _planned_and_executed(task: SuiteEntry, options: SuiteOptions) -> Result:
-    scenario = parse_scenario(task.scenario, task.name)
-    answer = plan_and_verify(scenario, options.request)
+    scenario, faces = task.parsed()
+    face_map = MapStore(scenario).load() if options.maps else None
+    answer = plan_leg(scenario, options.request, face_map)
     result = {
         **_empty(task.name),
         **_of_plan(answer.plan, answer.trajectory),
         **{name: _number(answer.timings.get(name)) for name in TIMES},
     }
-    if answer.trajectory is None:
-        return result
+    first = leg_of(scenario, answer)
     count = options.draws if options.perturb else 1
-    runs = [execute(scenario, answer.trajectory, options, draw, task.name) for draw in range(count)]
+    if faces:
+        told = [run_sequence(scenario, faces, first, options, k, task.name) for k in range(count)]
+        executed = all(draw['executed'] for draw in told)
+        return {**result, 'executed': executed, 'reached': told[0]['reached'], 'draws': told}
+    if first is None:
+        return result
+    runs = [execute(scenario, first, options, draw, task.name) for draw in range(count)]
     draws = [_of_draw(run, options.perturb > 0) for run in runs]
     return {
         **result,

@@ -1,4 +1,4 @@
-"""Where the tasks of a suite are worked on: here, in processes of this machine, or on Dask.
+"""Where the tasks of a suite, or of a map, are worked on: here, in processes of this machine, or on Dask.
 
 Each way yields (place of the task, result) as results come, every place once.
 """
@@ -11,27 +11,23 @@ from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
 from multiprocessing import get_context
-from typing import Any
+from typing import Any, TypeVar
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.planner.warm import warm
-from wholearm_ros.suite.suite_file import SuiteEntry
 
 ANSWER_WITHIN = 10.0  # [s] of a scheduler that is asked for the first time
 WORKER_WITHIN = 60.0  # [s] for the first worker to come
-Result = dict[str, Any]
-Results = Iterator[tuple[int, Result]]
-Work = Callable[[SuiteEntry], Result]
-Failed = Callable[[SuiteEntry, str], Result]
+Task, Result = TypeVar('Task'), TypeVar('Result')
 
 
 def work_on(
-    tasks: Sequence[SuiteEntry],
-    work: Work,
-    failed: Failed,
+    tasks: Sequence[Task],
+    work: Callable[[Task], Result],
+    failed: Callable[[Task, str], Result],
     jobs: int = 1,
     scheduler: str | None = None,
-) -> Results:
+) -> Iterator[tuple[int, Result]]:
     """`work(task)` → result for every task; `failed(task, why)` → result of one whose workers died.
 
     scheduler: address of a Dask scheduler, whose workers are used instead of `jobs` processes.
@@ -44,13 +40,13 @@ def work_on(
     return _on_cluster(tasks, work, failed, jobs, scheduler)
 
 
-def _here(tasks: Sequence[SuiteEntry], work: Work) -> Results:
+def _here(tasks: Sequence[Task], work: Callable[[Task], Result]) -> Iterator[tuple[int, Result]]:
     _warm_once()
     for k, task in enumerate(tasks):
         yield k, work(task)
 
 
-def _in_processes(tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs: int) -> Results:
+def _in_processes(tasks: Sequence[Task], work: Callable[[Task], Result], failed: Callable[[Task, str], Result], jobs: int) -> Iterator[tuple[int, Result]]:
     """Without Dask. A worker that dies takes every open task of the pool with it; they become
     errors.
     """
@@ -65,8 +61,8 @@ def _in_processes(tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs:
 
 
 def _on_cluster(
-    tasks: Sequence[SuiteEntry], work: Work, failed: Failed, jobs: int, scheduler: str | None
-) -> Results:
+    tasks: Sequence[Task], work: Callable[[Task], Result], failed: Callable[[Task, str], Result], jobs: int, scheduler: str | None
+) -> Iterator[tuple[int, Result]]:
     """On Dask: a dead worker's tasks go to another one, also those done whose results were not
     handed over.
     """
@@ -119,7 +115,7 @@ def _client(dask: Any, jobs: int, scheduler: str | None) -> Iterator[Any]:
         yield client
 
 
-def _work_warm(task: SuiteEntry, work: Work) -> Result:
+def _work_warm(task: Task, work: Callable[[Task], Result]) -> Result:
     _warm_once()
     return work(task)
 

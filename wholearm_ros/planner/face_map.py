@@ -1,0 +1,158 @@
+"""The face map of an object in a hand: certified ways between its faces, and routes over them.
+
+A way is a turn to the next face, or a slide along the palm; the object is felt between two of them,
+so that a route's errors do not add up.
+"""
+
+import heapq
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from math import log
+from typing import Any
+
+from wholearm_ros.model.certificate import Certificate
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import GoalOnEdge, StartOnEdge
+
+FORMAT = 'wholearm-map/1'
+PRICE_OF_A_WAY = 0.03  # added to −log of its success rate: of two routes as sure, the shorter one
+PRIOR = 12.0  # samples that a certificate counts for beside what happens in a session
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A certified turn or slide.
+
+    start: where it begins; reach: how far off the true x may be there [m]; goal: with its
+    direction; end: where its surviving rollouts end, the median x; plan: with its certificate;
+    succeeded, failed: runs of this session.
+    """
+
+    start: StartOnEdge
+    reach: float
+    goal: GoalOnEdge
+    end: StartOnEdge
+    plan: ContactPlan
+    succeeded: int = 0
+    failed: int = 0
+
+    @property
+    def certificate(self) -> Certificate:
+        """Of the plan; a way has one always."""
+        assert self.plan.certificate is not None
+        return self.plan.certificate
+
+    @property
+    def success_rate(self) -> float:
+        """Mean of the posterior: the certificate as PRIOR samples, then what has happened."""
+        survived = PRIOR * self.certificate.survived / self.certificate.samples
+        tried = PRIOR + self.succeeded + self.failed
+        return (survived + self.succeeded + 0.5) / (tried + 1.0)
+
+    @property
+    def price(self) -> float:
+        """Of a route: the sum of its ways' is −log of its success rate, and what each costs."""
+        return PRICE_OF_A_WAY - log(self.success_rate)
+
+    def begins_at(self, place: StartOnEdge) -> bool:
+        """Whether it may be executed from there."""
+        return place.edge == self.start.edge and abs(place.x - self.start.x) <= self.reach
+
+    def to_dict(self) -> dict[str, Any]:
+        """An edge of the map's document."""
+        c = self.certificate
+        return {
+            'from': vars(self.start),
+            'to': vars(self.end),
+            'direction': self.goal.direction,
+            'reach': self.reach,
+            'samples': c.samples,
+            'survived': c.survived,
+            'lower_bound': c.lower_bound,
+            'level': c.level,
+            'plan': self.plan.id,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class FaceMap:
+    """faces: edges on which the object can rest; ways: certified; refused: what was tried without a
+    plan, as {'from', 'to', 'direction', 'reason'}.
+    """
+
+    faces: tuple[int, ...]
+    ways: tuple[Way, ...] = ()
+    refused: tuple[dict[str, Any], ...] = ()
+
+    def route(self, start: StartOnEdge, goal: GoalOnEdge) -> tuple[Way, ...]:
+        """The surest way after way from `start` to the goal's edge, whatever the x there; () when
+        there is none, or none is needed (Dijkstra).
+        """
+        open_: list[tuple[float, int, StartOnEdge, tuple[Way, ...]]] = [(0.0, 0, start, ())]
+        closed: set[Way] = set()
+        pushed = 0
+        while open_:
+            price, _, place, route = heapq.heappop(open_)
+            if place.edge == goal.edge:
+                return route
+            if route and route[-1] in closed:
+                continue
+            closed.update(route[-1:])
+            for way in self.ways:
+                if way.begins_at(place) and way not in closed:
+                    pushed += 1
+                    entry = (price + way.price, pushed, way.end, (*route, way))
+                    heapq.heappush(open_, entry)
+        return ()
+
+    def success_rate(self, route: Iterable[Way]) -> float:
+        """Of all ways of a route in a row."""
+        rate = 1.0
+        for way in route:
+            rate *= way.success_rate
+        return rate
+
+    def happened(self, plan_id: str, success: bool) -> 'FaceMap':
+        """The map after a run of one of its ways."""
+
+        def told(way: Way) -> Way:
+            if way.plan.id != plan_id:
+                return way
+            if success:
+                return replace(way, succeeded=way.succeeded + 1)
+            return replace(way, failed=way.failed + 1)
+
+        return replace(self, ways=tuple(told(way) for way in self.ways))
+
+    def to_dict(self, name: str) -> dict[str, Any]:
+        """The document `wholearm-map/1`; name: of the scenario."""
+        return {
+            'format': FORMAT,
+            'scenario': name,
+            'faces': [
+                {'edge': face, 'x': sorted({w.start.x for w in self.ways if w.start.edge == face})}
+                for face in self.faces
+            ],
+            'edges': [way.to_dict() for way in self.ways],
+            'refused': list(self.refused),
+            'pairs': [
+                {
+                    'from': {'edge': start.edge, 'x': start.x},
+                    'to': {'edge': face},
+                    'ways': len(route),
+                    'success_rate': self.success_rate(route),
+                }
+                for start, face, route in self.all_pairs()
+            ],
+        }
+
+    def all_pairs(self) -> 'list[tuple[StartOnEdge, int, tuple[Way, ...]]]':
+        """(start, other face, route) of every start of a way and every other face that is reached."""
+        starts = sorted({w.start for w in self.ways}, key=lambda s: (s.edge, s.x))
+        found = []
+        for start in starts:
+            for face in self.faces:
+                route = self.route(start, GoalOnEdge(face)) if face != start.edge else ()
+                if route:
+                    found.append((start, face, route))
+        return found

@@ -1,0 +1,84 @@
+"""The next leg of a way to a face: of the object's map where it knows one, else planned anew."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.planner.face_map import FaceMap
+from wholearm_ros.planner.map_making import next_face
+from wholearm_ros.planner.planner import Progress, plan_and_verify
+from wholearm_ros.planner.request import PlanRequest, PlanResult
+from wholearm_ros.trajectory.main_trajectory import generate
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """trajectory: to the goal of `scenario`, which is a plan's own; stop: that goal when it is only a
+    stop on the way, else None.
+    """
+
+    trajectory: ManipulationTrajectory
+    scenario: Scenario
+    stop: GoalOnEdge | None = None
+
+
+def leg_of(asked: Scenario, result: PlanResult) -> Leg | None:
+    """What was planned for `asked`; None without a plan."""
+    if result.trajectory is None:
+        return None
+    planned = result.plan.scenario
+    return Leg(result.trajectory, planned, stop_of(asked, planned))
+
+
+def plan_leg(
+    scenario: Scenario,
+    request: PlanRequest,
+    face_map: FaceMap | None = None,
+    progress: Progress = lambda line: None,
+) -> PlanResult:
+    """A plan to the goal, or to a stop on the way to it; `stop_of` tells which.
+
+    Only a goal without a direction may be reached by way of stops. Raises as `plan_and_verify`
+    does.
+    """
+    start, goal = scenario.start, scenario.goal
+    any_way = isinstance(goal, GoalOnEdge) and goal.direction is None
+    if face_map and any_way and isinstance(start, StartOnEdge) and start.edge != goal.edge:
+        route = face_map.route(start, goal)
+        if route:
+            plan = route[0].plan
+            return PlanResult(plan, generate(plan.scenario, plan), {})
+    began = time.monotonic()
+    result = plan_and_verify(scenario, request, progress=progress)
+    if result.trajectory is None and any_way:
+        for detour in _detours(scenario):
+            left = request.time_budget - (time.monotonic() - began)
+            if left <= 0.0:
+                break
+            progress('by way of another edge')
+            found = plan_and_verify(detour, replace(request, time_budget=left), progress=progress)
+            if found.trajectory is not None:
+                return found
+    return result
+
+
+def stop_of(asked: Scenario, planned: Scenario) -> GoalOnEdge | None:
+    """The goal of a plan that was made for `asked` when it is only a stop on the way; else None."""
+    here, there = planned.goal, asked.goal
+    if not isinstance(here, GoalOnEdge) or not isinstance(there, GoalOnEdge):
+        return None
+    same_x = there.x is None or here.x == there.x
+    return None if here.edge == there.edge and same_x else here
+
+
+def _detours(scenario: Scenario) -> Iterator[Scenario]:
+    """The next faces either way, where they are not the goal."""
+    start, goal, polygon = scenario.start, scenario.goal, scenario.object.polygon
+    if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
+        return
+    for direction in (CCW, CW):
+        face = next_face(polygon, start.edge, direction)
+        if face is not None and face not in (goal.edge, start.edge):
+            yield replace(scenario, goal=GoalOnEdge(face, direction))

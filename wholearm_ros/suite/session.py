@@ -1,0 +1,143 @@
+"""A session of a simulated hand with an object in it, without ROS: goal after goal, felt and tried
+again, never reset.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from types import TracebackType
+
+import numpy as np
+
+from wholearm_ros.control.execution import Execution
+from wholearm_ros.estimation.claim import LOST, UNKNOWN, UNVERIFIED, Claim, claim, kept_to_plan
+from wholearm_ros.estimation.feel import Feeler
+from wholearm_ros.estimation.hold import hold_after
+from wholearm_ros.estimation.probe_plan import probe_after
+from wholearm_ros.model.perturbation import Perturbation
+from wholearm_ros.model.probe import Probe
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartAtPose, StartOnEdge
+from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.planner.legs import Leg
+from wholearm_ros.planner.supervision import END, FEEL, Supervision
+from wholearm_ros.rollout.initial_state import perturbed_start
+from wholearm_ros.simulation.closed_loop import RunRecord, lead
+from wholearm_ros.simulation.factory import make_hand
+from wholearm_ros.suite.attempts import Attempts, Motion
+from wholearm_ros.suite.suite_options import SuiteOptions
+
+SETTLE = 0.5  # [s] of holding before the probe
+
+Plan = Callable[[Scenario], Leg | None]
+
+
+class HandSession:
+    """One hand with an object in it.
+
+    options: of the hand, the control, and whether each end is felt; feeler: of the object, built
+    when not given; start: (5,) where hand and object truly are, when that is not where the
+    perturbed scenario says. Raises HardwareError when the backend is not installed.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        perturbation: Perturbation,
+        options: SuiteOptions,
+        feeler: Feeler | None = None,
+        view: bool = False,
+        start: np.ndarray | None = None,
+    ) -> None:
+        self.perturbation, self.options = perturbation, options
+        self.feeler = feeler or Feeler(scenario)
+        self.motions: list[Motion] = []
+        self.tracked = False
+        self.hand = make_hand(
+            options.backend, scenario, rate=options.rate, perturbation=perturbation, view=view
+        )
+        self.hand.reset(perturbed_start(scenario, self.hand.scenario) if start is None else start)
+
+    def __enter__(self) -> 'HandSession':
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.hand.disconnect()
+
+    def pursue(self, scenario: Scenario, plan: Plan) -> Attempts:
+        """Go for the goal of `scenario`, from its start, until it is felt or nothing is left.
+
+        plan: the next leg of a scenario, or None.
+        """
+        begun = len(self.motions)
+        supervision = Supervision(scenario, self.options.attempts)
+        decision = supervision.begin()
+        while decision.action != END:
+            if decision.action == FEEL:
+                supervision, decision = supervision.felt(self.feel(scenario))
+                continue
+            assert decision.scenario is not None
+            leg = plan(decision.scenario)
+            if leg is None:
+                decision = supervision.no_plan('from where the object lies')
+                continue
+            said = self._lead(leg.trajectory, leg.scenario, planned=True)
+            supervision, decision = supervision.executed(said, leg.stop)
+        made = tuple(self.motions[begun:])
+        return Attempts(scenario, made, decision.outcome, decision.reason)
+
+    def pursue_faces(
+        self, scenario: Scenario, faces: tuple[int, ...], plan: Plan
+    ) -> tuple[Attempts, ...]:
+        """Face after face, each from where the object was felt after the one before; as many as
+        were begun: none is after an object that is lost, or not known where.
+        """
+        done: list[Attempts] = []
+        start = scenario.start
+        for face in faces:
+            asked = scenario if not done else _from(scenario, start, face)
+            done.append(self.pursue(asked, plan))
+            felt = self.motions[-1].claim.felt if self.motions else None
+            if done[-1].outcome in (LOST, UNKNOWN) or (self.motions and felt is None):
+                break
+            if felt is not None:
+                start = StartOnEdge(felt.best.edges[0], felt.best.x)
+        return tuple(done)
+
+    def feel(self, scenario: Scenario) -> Claim:
+        """A probe alone, from the other side than the last one."""
+        angles, _ = self.hand.joints()
+        weights = self.feeler.model.world.finger_moment
+        hold = hold_after(self.motions[-1].trajectory, angles, weights)
+        return self._lead(hold, scenario, planned=False)
+
+    def _lead(
+        self, trajectory: ManipulationTrajectory, scenario: Scenario, planned: bool
+    ) -> Claim:
+        """A trajectory, and what the probe after it says of the goal of `scenario`."""
+        controls = self.options.controls
+        probe = probe_after(self.feeler, trajectory) if self.options.probe else None
+        seconds = controls.ramp + trajectory.duration + SETTLE
+        execution = Execution(trajectory, controls, SETTLE, probe)
+        steps = int(np.ceil(seconds / self.hand.period))
+        record = lead(self.hand, execution, controls, steps, self.perturbation)
+        if planned:
+            self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
+        said = self._claim(record, probe, scenario)
+        self.motions.append(Motion(trajectory, record, said, planned))
+        return said
+
+    def _claim(self, record: RunRecord, probe: Probe | None, scenario: Scenario) -> Claim:
+        if probe is None:
+            return Claim(UNVERIFIED, 'no probe was made')
+        if record.reason:
+            return Claim(UNKNOWN, f'stopped: {record.reason}')
+        felt = self.feeler.feel(probe, np.array(record.pairs), record.interrupted)
+        return claim(self.feeler, scenario, felt, self.tracked)
+
+
+def _from(scenario: Scenario, start: StartOnEdge | StartAtPose, face: int) -> Scenario:
+    return replace(scenario, start=start, goal=GoalOnEdge(face))
