@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from wholearm_ros.model.convex import rectangle, separation, turns
-from wholearm_ros.model.orientation import goal_rotation, start_rotation
+from wholearm_ros.model.goal import goal_region
+from wholearm_ros.model.orientation import directed, goal_rotation, start_rotation
 from wholearm_ros.model.scenario import GoalOnEdge, ManipulatedObject, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 
@@ -61,3 +62,20 @@ def test_separation_of_rectangles_is_their_distance_or_their_depth():
         b = a + [0.0, 0.02 + gap]
         assert separation(a, b) == pytest.approx(gap, abs=1e-15)
     assert (turns(a) == 1.0).all()
+
+
+@pytest.mark.parametrize('edge', range(6))
+def test_a_goal_without_a_direction_takes_the_shorter_turn_and_forgives_whole_ones(edge):
+    scenario = replace(SCENARIO, goal=GoalOnEdge(edge))
+    turn = goal_rotation(scenario) - start_rotation(scenario)
+    both = directed(scenario)
+    if edge == SCENARIO.start.edge:
+        assert turn == 0.0 and both == (scenario,)
+    else:
+        turns = [goal_rotation(s) - start_rotation(s) for s in both]
+        assert turns[0] == pytest.approx(turn) and abs(turn) <= np.pi
+        assert turns[0] - turns[1] == pytest.approx(np.copysign(2 * np.pi, turn))
+    region = goal_region(scenario)
+    for whole_turns in (-1, 0, 1):
+        pose = np.array([0.0, 0.0, goal_rotation(scenario) + 2 * np.pi * whole_turns])
+        assert region.error(pose)[2] == pytest.approx(0.0, abs=1e-12)

@@ -1,11 +1,14 @@
 """Supervision: what is done next after each claim."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, Claim
 from wholearm_ros.estimation.feel import LYING, Candidate, Felt
+from wholearm_ros.model.orientation import directed
+from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.supervision import END, FEEL, FEELS, PLAN, Supervision
 
@@ -28,15 +31,32 @@ def test_it_plans_again_from_what_was_felt_until_the_attempts_are_spent():
     for _ in range(2):
         supervision, decision = supervision.executed(elsewhere())
         assert decision.action == PLAN
-        start = decision.scenarios[0].start
+        start = decision.scenario.start
         assert (start.edge, start.x) == (0, 0.01)
     supervision, decision = supervision.executed(elsewhere())
     assert (decision.action, decision.outcome, supervision.attempts) == (END, ELSEWHERE, 3)
 
 
-def test_the_shorter_turn_is_planned_first():
-    scenarios = Supervision(SCENARIO).from_felt(elsewhere(edge=4))
-    assert [s.goal.direction for s in scenarios] == ['cw', 'ccw']
+def test_from_where_it_was_felt_either_direction_will_do_and_the_shorter_turn_is_planned_first():
+    again = Supervision(SCENARIO).from_felt(elsewhere(edge=4))
+    assert again.goal.direction is None
+    assert [s.goal.direction for s in directed(again)] == ['cw', 'ccw']
+
+
+def test_a_stop_on_the_way_costs_no_attempt():
+    supervision, decision = Supervision(SCENARIO, max_attempts=1).executed(
+        replace(elsewhere(edge=1), outcome=AT_GOAL), stop=GoalOnEdge(1, 'cw')
+    )
+    assert (decision.action, supervision.stops) == (PLAN, 1)
+    assert decision.scenario.start.edge == 1 and decision.scenario.goal == GoalOnEdge(5)
+    supervision, decision = supervision.executed(elsewhere(edge=2), stop=GoalOnEdge(0, 'cw'))
+    assert (decision.action, decision.outcome) == (END, ELSEWHERE)
+
+
+def test_what_ends_at_the_goal_by_chance_is_at_the_goal():
+    missed = elsewhere(edge=5)
+    _, decision = Supervision(SCENARIO).executed(missed, stop=GoalOnEdge(0, 'cw'))
+    assert (decision.action, decision.outcome) == (END, AT_GOAL)
 
 
 def test_what_is_not_known_is_felt_again_but_not_forever():

@@ -14,8 +14,11 @@ from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.simulation.factory import make_hand
-from wholearm_ros.suite import attempts as attempts_module
-from wholearm_ros.suite.attempts import run_attempts, true_rest
+from wholearm_ros.planner.legs import Leg
+from wholearm_ros.suite import session as session_module
+from wholearm_ros.suite.attempts import true_rest
+from wholearm_ros.suite.session import HandSession
+from wholearm_ros.suite.suite_options import SuiteOptions
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
 
@@ -29,11 +32,23 @@ def no_plan(scenario):
     return None
 
 
+def run_attempts(scenario, trajectory, perturbation, plan_again=no_plan, start=None, **options):
+    """Pursue a scenario's goal on the planar hand, first with the trajectory given."""
+    first = Leg(trajectory, scenario)
+
+    def plan(asked):
+        return first if asked is scenario else plan_again(asked)
+
+    options = SuiteOptions(backend='planar', **options)
+    with HandSession(scenario, perturbation, options, start=start) as session:
+        return session.pursue(scenario, plan)
+
+
 @pytest.mark.parametrize('held', [0, 1])
 @pytest.mark.parametrize('friction', [0.0, 0.1])
 def test_what_lies_in_the_hand_is_felt_where_it_is(held, friction):
     noise = Perturbation(friction=friction, encoder_noise=2e-4, velocity_noise=0.02)
-    made = run_attempts(SCENARIO, holding(SCENARIO, held), noise, no_plan, backend='planar')
+    made = run_attempts(SCENARIO, holding(SCENARIO, held), noise)
     edge, x = true_rest(made.last)
     assert made.outcome == ELSEWHERE and made.claim.edge == edge == 0
     assert made.claim.x == pytest.approx(x, abs=1e-3)
@@ -42,14 +57,14 @@ def test_what_lies_in_the_hand_is_felt_where_it_is(held, friction):
 
 def test_an_object_that_lies_at_its_goal_is_claimed_there_and_stays_there():
     there = replace(SCENARIO, goal=GoalOnEdge(0, 'ccw', -0.02, 0.01))
-    made = run_attempts(there, holding(there), NOMINAL, no_plan, backend='planar')
+    made = run_attempts(there, holding(there), NOMINAL)
     assert made.outcome == AT_GOAL
     assert made.last.poses[-1, 0] == pytest.approx(-0.02, abs=1e-3)
 
 
 def test_without_a_probe_nothing_is_claimed():
     made = run_attempts(
-        SCENARIO, holding(SCENARIO), NOMINAL, no_plan, probe=False, backend='planar'
+        SCENARIO, holding(SCENARIO), NOMINAL, probe=False
     )
     assert made.outcome == UNVERIFIED and made.to_dict()['felt_edge'] is None
 
@@ -57,7 +72,7 @@ def test_without_a_probe_nothing_is_claimed():
 def test_an_object_that_is_not_there_is_lost():
     q = start_configuration(SCENARIO)
     gone = np.array([0.6, 0.4, 0.0, *q[3:]])
-    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, no_plan, backend='planar', start=gone)
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, start=gone)
     assert made.outcome == LOST
 
 
@@ -66,10 +81,10 @@ def test_a_second_attempt_goes_on_with_the_same_hand():
 
     def plan_again(scenario):
         again.append(scenario)
-        return holding(scenario)
+        return Leg(holding(scenario), scenario)
 
     made = run_attempts(
-        SCENARIO, holding(SCENARIO), NOMINAL, plan_again, max_attempts=2, backend='planar'
+        SCENARIO, holding(SCENARIO), NOMINAL, plan_again, attempts=2
     )
     assert made.attempts == 2 and made.outcome == ELSEWHERE
     assert again[0].start.edge == 0 and again[0].start.x == pytest.approx(-0.02, abs=1e-3)
@@ -78,7 +93,7 @@ def test_a_second_attempt_goes_on_with_the_same_hand():
     assert second.poses[0] == pytest.approx(first.poses[-1], abs=1e-3)
     assert UNKNOWN not in {motion.claim.outcome for motion in made.motions}
     alone = made.first(1)
-    assert (alone.attempts, alone.outcome) == (1, ELSEWHERE) and alone.last is first
+    assert (alone.attempts, alone.outcome) == (1, ELSEWHERE) and alone.last.times[-1] == first.times[-1]
 
 
 class FaultyEncoder:
@@ -117,8 +132,8 @@ def test_an_encoder_that_lies_leads_to_no_wrong_claim(monkeypatch, reading, side
     def faulty_hand(*options, **more):
         return FaultyEncoder(make_hand(*options, **more), side, reading)
 
-    monkeypatch.setattr(attempts_module, 'make_hand', faulty_hand)
-    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, no_plan, backend='planar')
+    monkeypatch.setattr(session_module, 'make_hand', faulty_hand)
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL)
     edge, _ = true_rest(made.last)
     assert made.outcome in (ELSEWHERE, UNKNOWN) and made.claim.edge in (-1, edge)
     if reading is noisy:
@@ -128,7 +143,7 @@ def test_an_encoder_that_lies_leads_to_no_wrong_claim(monkeypatch, reading, side
 @pytest.mark.parametrize('side', [0, 1])
 def test_a_motor_at_70_percent_of_its_torque_still_feels(side):
     weak = Perturbation(torque_factors=np.where(np.arange(2) == side, 0.7, 1.0))
-    made = run_attempts(SCENARIO, holding(SCENARIO), weak, no_plan, backend='planar')
+    made = run_attempts(SCENARIO, holding(SCENARIO), weak)
     edge, x = true_rest(made.last)
     assert made.outcome in (ELSEWHERE, UNKNOWN) and made.claim.edge in (-1, edge)
     assert made.outcome == UNKNOWN or made.claim.x == pytest.approx(x, abs=2e-3)

@@ -50,9 +50,7 @@ def map(
         ),
     ] = None,
     json_out: JsonOption = None,
-    html: Annotated[
-        Path | None, output_file('--html', 'Draw the map into this page.')
-    ] = None,
+    html: Annotated[Path | None, output_file('--html', 'Draw the map into this page.')] = None,
 ) -> None:
     """Make the map of an object in a hand: certified turns from face to face, and slides.
 
@@ -62,7 +60,9 @@ def map(
     Example: wholearm map asymmetric_hexagon --html map.html
     """
     told = load_scenario(scenario)
-    options = MapOptions(PlanRequest(time_budget=time_budget, seed=seed), half_range, step, 0.6 * step)
+    options = MapOptions(
+        PlanRequest(time_budget=time_budget, seed=seed), half_range, step, 0.6 * step
+    )
     store = MapStore(told, options)
     workers = jobs or os.cpu_count() or 1
     _make('turns', turns_to_try(told, options), store, options, workers)
@@ -121,7 +121,9 @@ def _print(found: FaceMap) -> None:
         f'with a certificate, {len(found.refused)} without a plan'
     )
     pairs = {(start.edge, face) for start, face, _ in found.all_pairs()}
-    missing = [f'{a} to {b}' for a in found.faces for b in found.faces if a != b and (a, b) not in pairs]
+    missing = [
+        f'{a} to {b}' for a in found.faces for b in found.faces if a != b and (a, b) not in pairs
+    ]
     asked = len(found.faces) * (len(found.faces) - 1)
     print_plain(
         f'{asked - len(missing)} of {asked} ordered pairs of faces'

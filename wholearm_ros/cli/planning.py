@@ -23,13 +23,15 @@ from wholearm_ros.trajectory.main_trajectory import generate
 
 
 def load_asked(name: str, goal_edge: int | None) -> Scenario:
-    """A scenario file, or a shipped scenario by name, with the goal that was asked for on the command
-    line. Raises ScenarioError.
+    """A scenario file, or a shipped scenario by name, its goal replaced by what the command line
+    asks for. Raises ScenarioError.
     """
     scenario = load_scenario(name)
     if goal_edge is None:
         return scenario
-    return parse_scenario({**scenario_to_dict(scenario), 'goal': {'edge': goal_edge}}, '--goal-edge')
+    return parse_scenario(
+        {**scenario_to_dict(scenario), 'goal': {'edge': goal_edge}}, '--goal-edge'
+    )
 
 
 def plan_scenario(scenario: Scenario, request: PlanRequest) -> PlanResult:

@@ -338,7 +338,7 @@ def _key(document: str, key: str) -> str:
 
 
 def _stop(asked: Scenario, document: str) -> GoalOnEdge | None:
-    """Where a plan for `asked` ends, when that is only a stop on the way; a damaged one ends nowhere."""
+    """Where a plan for `asked` ends, when that is only a stop on the way."""
     try:
         return stop_of(asked, ContactPlan.from_json(document).scenario)
     except WholeArmError:

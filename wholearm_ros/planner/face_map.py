@@ -147,7 +147,7 @@ class FaceMap:
         }
 
     def all_pairs(self) -> 'list[tuple[StartOnEdge, int, tuple[Way, ...]]]':
-        """(start, other face, route) of every start of a way and every other face that is reached."""
+        """(start, other face, route): every start of a way, every other face that is reached."""
         starts = sorted({w.start for w in self.ways}, key=lambda s: (s.edge, s.x))
         found = []
         for start in starts:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planner.face_map import FaceMap
+from wholearm_ros.planner.face_map import FaceMap, Way
 from wholearm_ros.planner.map_making import next_face
 from wholearm_ros.planner.planner import Progress, plan_and_verify
 from wholearm_ros.planner.request import PlanRequest, PlanResult
@@ -15,8 +15,8 @@ from wholearm_ros.trajectory.main_trajectory import generate
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """trajectory: to the goal of `scenario`, which is a plan's own; stop: that goal when it is only a
-    stop on the way, else None.
+    """trajectory: to the goal of `scenario`, which is a plan's own; stop: that goal when it is only
+    a stop on the way, else None.
     """
 
     trajectory: ManipulationTrajectory
@@ -43,13 +43,10 @@ def plan_leg(
     Only a goal without a direction may be reached by way of stops. Raises as `plan_and_verify`
     does.
     """
-    start, goal = scenario.start, scenario.goal
-    any_way = isinstance(goal, GoalOnEdge) and goal.direction is None
-    if face_map and any_way and isinstance(start, StartOnEdge) and start.edge != goal.edge:
-        route = face_map.route(start, goal)
-        if route:
-            plan = route[0].plan
-            return PlanResult(plan, generate(plan.scenario, plan), {})
+    any_way = isinstance(scenario.goal, GoalOnEdge) and scenario.goal.direction is None
+    way = _known_way(scenario, face_map) if face_map and any_way else None
+    if way is not None:
+        return PlanResult(way.plan, generate(way.plan.scenario, way.plan), {})
     began = time.monotonic()
     result = plan_and_verify(scenario, request, progress=progress)
     if result.trajectory is None and any_way:
@@ -71,6 +68,14 @@ def stop_of(asked: Scenario, planned: Scenario) -> GoalOnEdge | None:
         return None
     same_x = there.x is None or here.x == there.x
     return None if here.edge == there.edge and same_x else here
+
+
+def _known_way(scenario: Scenario, face_map: FaceMap) -> Way | None:
+    """The first way of the surest route on the map to another face."""
+    start, goal = scenario.start, scenario.goal
+    if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
+        return None
+    return next(iter(face_map.route(start, goal)), None)
 
 
 def _detours(scenario: Scenario) -> Iterator[Scenario]:

@@ -80,7 +80,9 @@ def slides_to_try(scenario: Scenario, options: MapOptions, ways: Iterable[Way]) 
     ways = list(ways)
     found = []
     for face in faces_of(scenario.object.polygon):
-        useful = sorted({way.start.x for way in ways if way.start.edge == face and way.goal.direction})
+        useful = sorted(
+            {way.start.x for way in ways if way.start.edge == face and way.goal.direction}
+        )
         for x in options.places:
             for to in useful:
                 if x == to:

@@ -74,9 +74,7 @@ def build_perturbed_samples(
     return (_sample(scenario, NOMINAL), *perturbed)
 
 
-def _sample(
-    scenario: Scenario, perturbation: Perturbation, shift: float = 0.0
-) -> PerturbedSample:
+def _sample(scenario: Scenario, perturbation: Perturbation, shift: float = 0.0) -> PerturbedSample:
     truth = perturbation.applied(scenario)
     if shift and isinstance(truth.start, StartOnEdge):
         truth = replace(truth, start=replace(truth.start, x=truth.start.x + shift))

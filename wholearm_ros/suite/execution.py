@@ -64,8 +64,8 @@ def execute(
 
 
 def leg_planner(scenario: Scenario, first: Leg | None, options: SuiteOptions) -> Plan:
-    """`plan` of `HandSession.pursue`: the leg `first` for `scenario` itself, else a new one, from the
-    object's map where there is one.
+    """`plan` of `HandSession.pursue`: the leg `first` for `scenario` itself, else a new one, from
+    the object's map where there is one.
     """
     face_map = MapStore(scenario).load() if options.maps else None
 

@@ -114,9 +114,7 @@ class HandSession:
         hold = hold_after(self.motions[-1].trajectory, angles, weights)
         return self._lead(hold, scenario, planned=False)
 
-    def _lead(
-        self, trajectory: ManipulationTrajectory, scenario: Scenario, planned: bool
-    ) -> Claim:
+    def _lead(self, trajectory: ManipulationTrajectory, scenario: Scenario, planned: bool) -> Claim:
         """A trajectory, and what the probe after it says of the goal of `scenario`."""
         controls = self.options.controls
         probe = probe_after(self.feeler, trajectory) if self.options.probe else None

@@ -1,4 +1,5 @@
-"""Where the tasks of a suite, or of a map, are worked on: here, in processes of this machine, or on Dask.
+"""Where the tasks of a suite, or of a map, are worked on: here, in processes of
+this machine, or on Dask.
 
 Each way yields (place of the task, result) as results come, every place once.
 """
@@ -18,7 +19,8 @@ from wholearm_ros.planner.warm import warm
 
 ANSWER_WITHIN = 10.0  # [s] of a scheduler that is asked for the first time
 WORKER_WITHIN = 60.0  # [s] for the first worker to come
-Task, Result = TypeVar('Task'), TypeVar('Result')
+Task = TypeVar('Task')
+Result = TypeVar('Result')
 
 
 def work_on(
@@ -46,7 +48,12 @@ def _here(tasks: Sequence[Task], work: Callable[[Task], Result]) -> Iterator[tup
         yield k, work(task)
 
 
-def _in_processes(tasks: Sequence[Task], work: Callable[[Task], Result], failed: Callable[[Task, str], Result], jobs: int) -> Iterator[tuple[int, Result]]:
+def _in_processes(
+    tasks: Sequence[Task],
+    work: Callable[[Task], Result],
+    failed: Callable[[Task, str], Result],
+    jobs: int,
+) -> Iterator[tuple[int, Result]]:
     """Without Dask. A worker that dies takes every open task of the pool with it; they become
     errors.
     """
@@ -61,7 +68,11 @@ def _in_processes(tasks: Sequence[Task], work: Callable[[Task], Result], failed:
 
 
 def _on_cluster(
-    tasks: Sequence[Task], work: Callable[[Task], Result], failed: Callable[[Task, str], Result], jobs: int, scheduler: str | None
+    tasks: Sequence[Task],
+    work: Callable[[Task], Result],
+    failed: Callable[[Task, str], Result],
+    jobs: int,
+    scheduler: str | None,
 ) -> Iterator[tuple[int, Result]]:
     """On Dask: a dead worker's tasks go to another one, also those done whose results were not
     handed over.

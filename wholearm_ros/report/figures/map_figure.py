@@ -37,7 +37,8 @@ def _draw_ring(axes: Any, polygon: Polygon, face_map: FaceMap) -> None:
     centres = {face: RING * np.array([np.cos(a), np.sin(a)]) for face, a in angles.items()}
     scale = SHAPE / np.linalg.norm(polygon.vertices_about_centroid, axis=1).max()
     shapes = [
-        centres[face] + scale * rotated(polygon.vertices_about_centroid, polygon.resting_angle(face))
+        centres[face]
+        + scale * rotated(polygon.vertices_about_centroid, polygon.resting_angle(face))
         for face in order
     ]
     axes.add_collection(PolyCollection(shapes, facecolors=OBJECT, edgecolors=OBJECT_EDGE, zorder=3))

@@ -1,0 +1,114 @@
+"""The face map: routes over certified ways, kept on disk, and used for goals without a direction."""
+
+from dataclasses import replace
+
+import pytest
+
+from wholearm_ros.model.certificate import certificate
+from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.planner.face_map import FaceMap, Way
+from wholearm_ros.planner.legs import plan_leg, stop_of
+from wholearm_ros.planner.map_making import (
+    MapOptions,
+    Refused,
+    faces_of,
+    make_way,
+    next_face,
+    slides_to_try,
+    turns_to_try,
+)
+from wholearm_ros.planner.map_store import MapStore
+from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planning.routes import plan
+
+SCENARIO = load_scenario('asymmetric_hexagon')
+OPTIONS = MapOptions(PlanRequest(certificate_samples=20, min_success=0.5))
+
+
+@pytest.fixture(scope='module')
+def route():
+    """A plan; which one does not matter to routes."""
+    return plan(SCENARIO)
+
+
+def way(route, start, x, goal, end_x, survived, direction=CCW):
+    certified = replace(route, certificate=certificate(1.0, 59, survived))
+    end = StartOnEdge(goal, end_x)
+    return Way(StartOnEdge(start, x), 0.006, GoalOnEdge(goal, direction), end, certified)
+
+
+def test_of_two_routes_the_surer_one_is_taken_even_when_it_is_longer(route):
+    direct = way(route, 0, 0.0, 2, 0.0, 40)
+    first, second = way(route, 0, 0.0, 1, 0.0, 59), way(route, 1, 0.0, 2, 0.0, 59)
+    face_map = FaceMap((0, 1, 2), (direct, first, second))
+    assert face_map.route(StartOnEdge(0, 0.001), GoalOnEdge(2)) == (first, second)
+    surer = FaceMap((0, 1, 2), (replace(direct, plan=first.plan), first, second))
+    assert surer.route(StartOnEdge(0, 0.001), GoalOnEdge(2)) == (surer.ways[0],)
+
+
+def test_a_way_is_taken_only_from_within_its_reach(route):
+    far = way(route, 1, 0.02, 2, 0.0, 59)
+    face_map = FaceMap((0, 1, 2), (way(route, 0, 0.0, 1, 0.0, 59), far))
+    assert face_map.route(StartOnEdge(0, 0.0), GoalOnEdge(2)) == ()
+    slide = way(route, 1, 0.0, 1, 0.019, 59, direction=None)
+    face_map = replace(face_map, ways=(*face_map.ways, slide))
+    assert face_map.route(StartOnEdge(0, 0.0), GoalOnEdge(2)) == (face_map.ways[0], slide, far)
+    assert face_map.route(StartOnEdge(0, 0.007), GoalOnEdge(1)) == ()
+
+
+def test_what_fails_in_a_session_is_avoided_but_not_banned(route):
+    one = way(route, 0, 0.0, 1, 0.0, 59)
+    other = replace(
+        way(route, 0, 0.0, 1, 0.01, 57), plan=replace(route, seed=1, certificate=one.certificate)
+    )
+    face_map = FaceMap((0, 1), (one, other))
+    chosen = face_map.route(StartOnEdge(0, 0.0), GoalOnEdge(1))[0]
+    for _ in range(2):
+        face_map = face_map.happened(chosen.plan.id, success=False)
+    again = face_map.route(StartOnEdge(0, 0.0), GoalOnEdge(1))[0]
+    assert again.plan.id != chosen.plan.id
+    assert FaceMap((0, 1), face_map.ways[:1]).route(StartOnEdge(0, 0.0), GoalOnEdge(1))
+
+
+def test_the_next_faces_are_the_neighbours_and_every_turn_is_asked_for_once():
+    polygon = SCENARIO.object.polygon
+    assert (next_face(polygon, 0, CCW), next_face(polygon, 0, CW)) == (5, 1)
+    faces = faces_of(polygon)
+    turns = turns_to_try(SCENARIO, replace(OPTIONS, half_range=0.01))
+    asked = {(s.start.edge, s.start.x, s.goal.direction) for s in turns}
+    assert len(asked) == len(turns) == 2 * 3 * len(faces)
+    assert all(next_face(polygon, s.start.edge, s.goal.direction) == s.goal.edge for s in turns)
+
+
+def test_a_map_is_made_kept_and_answers(tmp_path):
+    options = replace(OPTIONS, half_range=0.0)
+    store = MapStore(SCENARIO, options, tmp_path)
+    assert store.load().ways == ()
+    turn = next(s for s in turns_to_try(SCENARIO, options) if (s.start.edge, s.goal.edge) == (0, 1))
+    made = make_way(turn, options)
+    assert isinstance(made, Way) and made.certificate.lower_bound >= 0.5
+    assert not store.has(turn)
+    store.save(turn, made)
+    store.save(replace(turn, goal=GoalOnEdge(5, CCW)), Refused(turn.start, GoalOnEdge(5, CCW), 'no'))
+    assert store.has(turn)
+    (store.directory / 'damaged.json').write_text('{')
+    face_map = store.load()
+    assert [w.plan.id for w in face_map.ways] == [made.plan.id] and len(face_map.refused) == 1
+    document = face_map.to_dict('hexagon')
+    assert document['format'] == 'wholearm-map/1' and document['edges'][0]['to']['edge'] == 1
+    slides = slides_to_try(SCENARIO, replace(OPTIONS, half_range=0.01), face_map.ways)
+    assert {(s.start.edge, s.goal.edge, s.goal.x) for s in slides} == {(0, 0, 0.0)}
+
+    felt = replace(SCENARIO, start=StartOnEdge(0, 0.004), goal=GoalOnEdge(1))
+    answer = plan_leg(felt, PlanRequest(), face_map)
+    assert answer.plan.id == made.plan.id and answer.trajectory is not None
+    assert stop_of(felt, answer.plan.scenario) is None
+    assert stop_of(replace(felt, goal=GoalOnEdge(2)), answer.plan.scenario) == GoalOnEdge(1, CW)
+
+
+def test_the_map_of_another_object_is_another_one(tmp_path):
+    other = replace(SCENARIO, object=replace(SCENARIO.object, mass=0.3))
+    here, there = (MapStore(s, OPTIONS, tmp_path).directory for s in (SCENARIO, other))
+    moved = replace(SCENARIO, start=StartOnEdge(1, 0.0), goal=GoalOnEdge(3))
+    assert here != there and MapStore(moved, OPTIONS, tmp_path).directory == here
