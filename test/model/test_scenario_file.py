@@ -125,6 +125,8 @@ BAD = [
     ('goal.direction', 'left', 'goal.direction', "'ccw' or 'cw'"),
     ('goal', {'direction': 'ccw'}, 'goal', 'neither an edge nor x'),
     ('goal', {'x': 1.0}, 'goal.x', 'not over the palm'),
+    ('start', {'edge': 0}, 'start.x', 'missing'),
+    ('start', {'felt': 'yes'}, 'start.felt', 'allowed: '),
     ('goal.x_tolerance', 0.01, 'goal.x_tolerance', 'without goal.x'),
     ('goal', {'edge': 5, 'direction': 'ccw', 'x': 1.0}, 'goal.x', 'not over the palm'),
     ('goal', {'pose': [0.0, 0.0, 1.0]}, 'goal', 'penetrates the palm'),

@@ -90,7 +90,9 @@ def test_a_map_is_made_kept_and_answers(tmp_path):
     assert isinstance(made, Way) and made.certificate.lower_bound >= 0.5
     assert not store.has(turn)
     store.save(turn, made)
-    store.save(replace(turn, goal=GoalOnEdge(5, CCW)), Refused(turn.start, GoalOnEdge(5, CCW), 'no'))
+    store.save(
+        replace(turn, goal=GoalOnEdge(5, CCW)), Refused(turn.start, GoalOnEdge(5, CCW), 'no')
+    )
     assert store.has(turn)
     (store.directory / 'damaged.json').write_text('{')
     face_map = store.load()

@@ -13,8 +13,8 @@ from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.planner.legs import Leg
+from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.suite import session as session_module
 from wholearm_ros.suite.attempts import true_rest
 from wholearm_ros.suite.session import HandSession
@@ -63,9 +63,7 @@ def test_an_object_that_lies_at_its_goal_is_claimed_there_and_stays_there():
 
 
 def test_without_a_probe_nothing_is_claimed():
-    made = run_attempts(
-        SCENARIO, holding(SCENARIO), NOMINAL, probe=False
-    )
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, probe=False)
     assert made.outcome == UNVERIFIED and made.to_dict()['felt_edge'] is None
 
 
@@ -83,9 +81,7 @@ def test_a_second_attempt_goes_on_with_the_same_hand():
         again.append(scenario)
         return Leg(holding(scenario), scenario)
 
-    made = run_attempts(
-        SCENARIO, holding(SCENARIO), NOMINAL, plan_again, attempts=2
-    )
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, plan_again, attempts=2)
     assert made.attempts == 2 and made.outcome == ELSEWHERE
     assert again[0].start.edge == 0 and again[0].start.x == pytest.approx(-0.02, abs=1e-3)
     first, second = (motion.record for motion in made.motions)
@@ -93,7 +89,9 @@ def test_a_second_attempt_goes_on_with_the_same_hand():
     assert second.poses[0] == pytest.approx(first.poses[-1], abs=1e-3)
     assert UNKNOWN not in {motion.claim.outcome for motion in made.motions}
     alone = made.first(1)
-    assert (alone.attempts, alone.outcome) == (1, ELSEWHERE) and alone.last.times[-1] == first.times[-1]
+    assert (alone.attempts, alone.outcome) == (1, ELSEWHERE) and alone.last.times[
+        -1
+    ] == first.times[-1]
 
 
 class FaultyEncoder:

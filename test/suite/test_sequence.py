@@ -41,3 +41,14 @@ def test_a_hand_lays_the_object_on_face_after_face_without_a_reset(tmp_path, mon
 def test_a_bad_sequence_is_refused(more, words):
     with pytest.raises(ScenarioError, match=words):
         SuiteEntry('faces', {**KEYS, **more}).parsed()
+
+
+def test_a_start_that_nobody_told_is_felt_first(tmp_path, monkeypatch):
+    monkeypatch.setenv('WHOLEARM_MAPS', str(tmp_path))
+    request = PlanRequest(certificate_samples=20, min_success=0.5)
+    options = SuiteOptions(request, backend='planar', attempts=2)
+    start = {'edge': 0, 'x': 0.01, 'felt': True}
+    asked = SuiteEntry('felt', {**KEYS, 'start': start, 'goal': {'edge': 5}})
+    result = run_task(asked, options)
+    assert result['planned'] and result['executed'], result
+    assert result['draws'][0]['claimed'] == AT_GOAL and result['draws'][0]['attempts'] >= 1

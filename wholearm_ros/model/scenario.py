@@ -39,14 +39,19 @@ class Gravity:
 
 @dataclass(frozen=True)
 class StartOnEdge:
-    """At rest on `edge`, the centroid at `x` [m], both fingers closed on the object."""
+    """At rest on `edge`, the centroid at `x` [m], both fingers closed on the object.
+
+    felt: whether the hand has to feel first where the object lies; edge and x are then not for it
+    to know, only where a simulated hand has the object.
+    """
 
     edge: int
     x: float
+    felt: bool = False
 
     def mirrored(self, edges: int) -> 'StartOnEdge':
         """The mirror image (x → -x), for an object with that many edges."""
-        return StartOnEdge(edges - 1 - self.edge, -self.x)
+        return StartOnEdge(edges - 1 - self.edge, -self.x, self.felt)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +117,11 @@ class Scenario:
     start: StartOnEdge | StartAtPose
     goal: GoalOnEdge | GoalAtPose
     name: str = ''
+
+    @property
+    def to_be_felt(self) -> bool:
+        """Whether nobody knows yet where the object lies."""
+        return isinstance(self.start, StartOnEdge) and self.start.felt
 
     def mirrored(self) -> 'Scenario':
         """The mirror image (x → -x): left and right change places, and so do the directions."""

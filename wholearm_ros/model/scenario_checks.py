@@ -161,11 +161,21 @@ def _place_problems(table: ScenarioTable) -> list[str]:
             f'goal.x_tolerance: got {table.goal.x_tolerance} without goal.x; '
             'allowed: both or neither'
         )
-    if isinstance(table.goal, GoalOnEdgeTable) and table.goal.edge is None:
-        if table.goal.x is None:
+    return problems + _missing_keys(table)
+
+
+def _missing_keys(table: ScenarioTable) -> list[str]:
+    start, goal, problems = table.start, table.goal, []
+    if isinstance(start, StartOnEdgeTable) and not start.felt:
+        missing = [key for key in ('edge', 'x') if getattr(start, key) is None]
+        problems += [f'start.{key}: missing; this key is needed' for key in missing]
+    if isinstance(goal, GoalOnEdgeTable) and goal.edge is None:
+        if goal.x is None:
             problems.append('goal: got neither an edge nor x; allowed: either, or both, or a pose')
-        elif not isinstance(table.start, StartOnEdgeTable):
-            problems.append('goal.edge: missing; this key is needed when the start is a pose')
+        elif not isinstance(start, StartOnEdgeTable) or start.felt:
+            problems.append(
+                'goal.edge: missing; this key is needed when the start is a pose, or is to be felt'
+            )
     return problems
 
 

@@ -78,12 +78,19 @@ def _build(table: ScenarioTable) -> Scenario:
     thing = ManipulatedObject(Polygon(np.array(table.object.vertices)), table.object.mass)
     hand = Hand(*(Finger(**getattr(table.hand, side).model_dump()) for side in SIDES))
     gravity = Gravity(table.gravity.acceleration, float(np.radians(table.gravity.tilt_deg)))
-    start = (StartOnEdge if isinstance(table.start, StartOnEdgeTable) else StartAtPose)(
-        **table.start.model_dump()
-    )
-    return Scenario(
-        thing, hand, Palm(np.array(table.palm.vertices)), gravity, start, _goal(table), table.name
-    )
+    palm = Palm(np.array(table.palm.vertices))
+    start, goal = _start(table, thing.polygon), _goal(table)
+    return Scenario(thing, hand, palm, gravity, start, goal, table.name)
+
+
+def _start(table: ScenarioTable, polygon: Polygon) -> StartOnEdge | StartAtPose:
+    given = table.start.model_dump()
+    if not isinstance(table.start, StartOnEdgeTable):
+        return StartAtPose(**given)
+    if table.start.edge is None:  # a simulated hand has to have it somewhere
+        given['edge'] = next(k for k in range(len(polygon.vertices)) if polygon.can_rest_on(k))
+    given['x'] = given['x'] or 0.0
+    return StartOnEdge(**given)
 
 
 def _goal(table: ScenarioTable) -> GoalOnEdge | GoalAtPose:
@@ -110,7 +117,8 @@ def _finger_to_dict(f: Finger) -> dict[str, Any]:
 
 def _start_to_dict(start: StartOnEdge | StartAtPose) -> dict[str, Any]:
     if isinstance(start, StartOnEdge):
-        return {'edge': start.edge, 'x': start.x}
+        told = {'edge': start.edge, 'x': start.x}
+        return {**told, 'felt': True} if start.felt else told
     return {'pose': start.pose.tolist(), 'fingers': start.fingers.tolist()}
 
 

@@ -63,10 +63,11 @@ class GravityTable(_Table):
 
 
 class StartOnEdgeTable(_Table):
-    """The key `start`, on an edge."""
+    """The key `start`, on an edge; `felt` alone where nobody knows on which."""
 
-    edge: Edge
-    x: Coordinate
+    edge: Edge | None = None
+    x: Coordinate | None = None
+    felt: Annotated[bool, Strict()] = False
 
 
 class StartAtPoseTable(_Table):

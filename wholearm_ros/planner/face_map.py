@@ -62,8 +62,8 @@ class Way:
         """An edge of the map's document."""
         c = self.certificate
         return {
-            'from': vars(self.start),
-            'to': vars(self.end),
+            'from': {'edge': self.start.edge, 'x': self.start.x},
+            'to': {'edge': self.end.edge, 'x': self.end.x},
             'direction': self.goal.direction,
             'reach': self.reach,
             'samples': c.samples,

@@ -116,7 +116,7 @@ def build_map(scenario: Scenario, tried: Iterable[Way | Refused]) -> FaceMap:
     tried = list(tried)
     refused = (
         {
-            'from': vars(t.start),
+            'from': {'edge': t.start.edge, 'x': t.start.x},
             'to': {'edge': t.goal.edge, 'x': t.goal.x},
             'direction': t.goal.direction,
             'reason': t.reason,

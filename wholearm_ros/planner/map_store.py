@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.plan import TIME_SPENT, ContactPlan
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.face_map import FaceMap, Way
@@ -41,8 +41,13 @@ class MapStore:
         return build_map(self.scenario, self._tried())
 
     def has(self, scenario: Scenario) -> bool:
-        """Whether the way between a scenario's start and goal was tried."""
-        return self._file(scenario).is_file()
+        """Whether the way between a scenario's start and goal was tried, and not for too short a
+        time.
+        """
+        tried = _read_file(self._file(scenario))
+        return tried is not None and not (
+            isinstance(tried, Refused) and tried.reason.startswith(TIME_SPENT)
+        )
 
     def save(self, scenario: Scenario, tried: Way | Refused) -> None:
         """Keep what was tried; raises WholeArmError when it cannot be written."""
@@ -66,10 +71,9 @@ class MapStore:
 
     def _tried(self) -> Iterator[Way | Refused]:
         for file in sorted(self.directory.glob('*.json')):
-            try:
-                yield _read(json.loads(file.read_text(encoding='utf-8')))
-            except (OSError, ValueError, KeyError, TypeError, WholeArmError):
-                continue  # damaged: it is tried again
+            tried = _read_file(file)
+            if tried is not None:
+                yield tried
 
     def _file(self, scenario: Scenario) -> Path:
         start, goal = scenario.start, scenario.goal
@@ -77,6 +81,14 @@ class MapStore:
         x = '' if goal.x is None else f'_at{1e3 * goal.x:+.1f}'
         name = f'{start.edge}_at{1e3 * start.x:+.1f}_to_{goal.edge}_{goal.direction or "slide"}{x}'
         return self.directory / f'{name}.json'
+
+
+def _read_file(file: Path) -> Way | Refused | None:
+    """None of one that is not there, or damaged: it is tried again."""
+    try:
+        return _read(json.loads(file.read_text(encoding='utf-8')))
+    except (OSError, ValueError, KeyError, TypeError, WholeArmError):
+        return None
 
 
 def _read(document: dict[str, Any]) -> Way | Refused:

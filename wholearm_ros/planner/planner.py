@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.errors import ScenarioError
 from wholearm_ros.model.orientation import directed
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
@@ -38,6 +39,11 @@ def plan_and_verify(
     The plan's own scenario has the direction. Raises ScenarioError when the start is impossible.
     `progress` is called with a line for people now and then.
     """
+    if scenario.to_be_felt:
+        raise ScenarioError(
+            'start: got one that is to be felt first; allowed: to execute it (wholearm run, '
+            'wholearm suite), or to plan from a told edge and x'
+        )
     watch = Stopwatch(request.time_budget)
     answers: list[PlanResult] = []
     for one_way in directed(scenario):

@@ -44,6 +44,8 @@ class Supervision:
 
     def begin(self) -> Decision:
         """What to do first."""
+        if self.scenario.to_be_felt:
+            return Decision(FEEL)
         return Decision(PLAN, scenario=self.scenario)
 
     def executed(

@@ -40,7 +40,7 @@ class JudgedRun:
 
 def execute(
     scenario: Scenario,
-    first: Leg,
+    first: Leg | None,
     options: SuiteOptions,
     draw: int = 0,
     name: str = '',
@@ -48,12 +48,12 @@ def execute(
 ) -> JudgedRun:
     """Run the leg `first` under perturbation number `draw` of the task `name`, feel, and go on.
 
-    name: the scenario's by default.
+    first: None for a start that is to be felt; name: the scenario's by default.
 
     Raises HardwareError when the backend is not installed.
     """
     perturbation = drawn_perturbation(scenario, options, draw, name)
-    if options.backend == JURY:
+    if options.backend == JURY and first is not None:
         told = first.scenario
         verdict = hear(told, first.trajectory, perturbation, options.rate, options.controls)
         return _of_jury(scenario, verdict, perturbation)

@@ -11,8 +11,9 @@ import numpy as np
 from wholearm_ros.control.execution import Execution
 from wholearm_ros.estimation.claim import LOST, UNKNOWN, UNVERIFIED, Claim, claim, kept_to_plan
 from wholearm_ros.estimation.feel import Feeler
-from wholearm_ros.estimation.hold import hold_after
-from wholearm_ros.estimation.probe_plan import probe_after
+from wholearm_ros.estimation.hold import hold_after, hold_trajectory
+from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
+from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartAtPose, StartOnEdge
@@ -111,13 +112,24 @@ class HandSession:
         """A probe alone, from the other side than the last one."""
         angles, _ = self.hand.joints()
         weights = self.feeler.model.world.finger_moment
-        hold = hold_after(self.motions[-1].trajectory, angles, weights)
-        return self._lead(hold, scenario, planned=False)
+        if self.motions:
+            hold = hold_after(self.motions[-1].trajectory, angles, weights)
+            return self._lead(hold, scenario, planned=False)
+        hold = hold_trajectory(angles, weights, self.feeler.hypotheses[0].pose, LEFT)
+        unknown = probe_of_the_unknown(self.feeler, LEFT, float(angles[LEFT]))
+        return self._lead(hold, scenario, planned=False, probe=unknown)
 
-    def _lead(self, trajectory: ManipulationTrajectory, scenario: Scenario, planned: bool) -> Claim:
+    def _lead(
+        self,
+        trajectory: ManipulationTrajectory,
+        scenario: Scenario,
+        planned: bool,
+        probe: Probe | None = None,
+    ) -> Claim:
         """A trajectory, and what the probe after it says of the goal of `scenario`."""
         controls = self.options.controls
-        probe = probe_after(self.feeler, trajectory) if self.options.probe else None
+        if self.options.probe:
+            probe = probe or probe_after(self.feeler, trajectory)
         seconds = controls.ramp + trajectory.duration + SETTLE
         execution = Execution(trajectory, controls, SETTLE, probe)
         steps = int(np.ceil(seconds / self.hand.period))

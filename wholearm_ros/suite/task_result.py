@@ -58,21 +58,22 @@ def _empty(name: str) -> Result:
 def _planned_and_executed(task: SuiteEntry, options: SuiteOptions) -> Result:
     scenario, faces = task.parsed()
     face_map = MapStore(scenario).load() if options.maps else None
-    answer = plan_leg(scenario, options.request, face_map)
-    result = {
-        **_empty(task.name),
-        **_of_plan(answer.plan, answer.trajectory),
-        **{name: _number(answer.timings.get(name)) for name in TIMES},
-    }
-    first = leg_of(scenario, answer)
+    result, first = _empty(task.name), None
+    if not scenario.to_be_felt:
+        answer = plan_leg(scenario, options.request, face_map)
+        first = leg_of(scenario, answer)
+        result |= _of_plan(answer.plan, answer.trajectory)
+        result |= {name: _number(answer.timings.get(name)) for name in TIMES}
     count = options.draws if options.perturb else 1
     if faces:
         told = [run_sequence(scenario, faces, first, options, k, task.name) for k in range(count)]
         executed = all(draw['executed'] for draw in told)
         return {**result, 'executed': executed, 'reached': told[0]['reached'], 'draws': told}
-    if first is None:
+    if first is None and not scenario.to_be_felt:
         return result
     runs = [execute(scenario, first, options, draw, task.name) for draw in range(count)]
+    if scenario.to_be_felt:
+        result['planned'] = any(run.attempts and run.attempts.attempts for run in runs)
     draws = [_of_draw(run, options.perturb > 0) for run in runs]
     return {
         **result,
