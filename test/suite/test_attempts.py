@@ -16,7 +16,9 @@ from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.suite import attempts as attempts_module
 from wholearm_ros.suite.attempts import run_attempts, true_rest
+from wholearm_ros.suite.suite_options import SuiteOptions
 
+PLANAR = SuiteOptions(backend='planar')
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
 
 
@@ -33,7 +35,7 @@ def no_plan(scenario):
 @pytest.mark.parametrize('friction', [0.0, 0.1])
 def test_what_lies_in_the_hand_is_felt_where_it_is(held, friction):
     noise = Perturbation(friction=friction, encoder_noise=2e-4, velocity_noise=0.02)
-    made = run_attempts(SCENARIO, holding(SCENARIO, held), noise, no_plan, backend='planar')
+    made = run_attempts(SCENARIO, holding(SCENARIO, held), noise, PLANAR, no_plan)
     edge, x = true_rest(made.last)
     assert made.outcome == ELSEWHERE and made.claim.edge == edge == 0
     assert made.claim.x == pytest.approx(x, abs=1e-3)
@@ -42,22 +44,20 @@ def test_what_lies_in_the_hand_is_felt_where_it_is(held, friction):
 
 def test_an_object_that_lies_at_its_goal_is_claimed_there_and_stays_there():
     there = replace(SCENARIO, goal=GoalOnEdge(0, 'ccw', -0.02, 0.01))
-    made = run_attempts(there, holding(there), NOMINAL, no_plan, backend='planar')
+    made = run_attempts(there, holding(there), NOMINAL, PLANAR, no_plan)
     assert made.outcome == AT_GOAL
     assert made.last.poses[-1, 0] == pytest.approx(-0.02, abs=1e-3)
 
 
 def test_without_a_probe_nothing_is_claimed():
-    made = run_attempts(
-        SCENARIO, holding(SCENARIO), NOMINAL, no_plan, probe=False, backend='planar'
-    )
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, replace(PLANAR, probe=False), no_plan)
     assert made.outcome == UNVERIFIED and made.to_dict()['felt_edge'] is None
 
 
 def test_an_object_that_is_not_there_is_lost():
     q = start_configuration(SCENARIO)
     gone = np.array([0.6, 0.4, 0.0, *q[3:]])
-    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, no_plan, backend='planar', start=gone)
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, PLANAR, no_plan, start=gone)
     assert made.outcome == LOST
 
 
@@ -69,7 +69,7 @@ def test_a_second_attempt_goes_on_with_the_same_hand():
         return holding(scenario)
 
     made = run_attempts(
-        SCENARIO, holding(SCENARIO), NOMINAL, plan_again, max_attempts=2, backend='planar'
+        SCENARIO, holding(SCENARIO), NOMINAL, replace(PLANAR, attempts=2), plan_again
     )
     assert made.attempts == 2 and made.outcome == ELSEWHERE
     assert again[0].start.edge == 0 and again[0].start.x == pytest.approx(-0.02, abs=1e-3)
@@ -118,7 +118,7 @@ def test_an_encoder_that_lies_leads_to_no_wrong_claim(monkeypatch, reading, side
         return FaultyEncoder(make_hand(*options, **more), side, reading)
 
     monkeypatch.setattr(attempts_module, 'make_hand', faulty_hand)
-    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, no_plan, backend='planar')
+    made = run_attempts(SCENARIO, holding(SCENARIO), NOMINAL, PLANAR, no_plan)
     edge, _ = true_rest(made.last)
     assert made.outcome in (ELSEWHERE, UNKNOWN) and made.claim.edge in (-1, edge)
     if reading is noisy:
@@ -128,7 +128,7 @@ def test_an_encoder_that_lies_leads_to_no_wrong_claim(monkeypatch, reading, side
 @pytest.mark.parametrize('side', [0, 1])
 def test_a_motor_at_70_percent_of_its_torque_still_feels(side):
     weak = Perturbation(torque_factors=np.where(np.arange(2) == side, 0.7, 1.0))
-    made = run_attempts(SCENARIO, holding(SCENARIO), weak, no_plan, backend='planar')
+    made = run_attempts(SCENARIO, holding(SCENARIO), weak, PLANAR, no_plan)
     edge, x = true_rest(made.last)
     assert made.outcome in (ELSEWHERE, UNKNOWN) and made.claim.edge in (-1, edge)
     assert made.outcome == UNKNOWN or made.claim.x == pytest.approx(x, abs=2e-3)

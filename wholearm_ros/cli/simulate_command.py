@@ -26,6 +26,7 @@ from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.run_document import run_document
+from wholearm_ros.simulation.closed_loop import LoopOptions
 from wholearm_ros.suite.execution import JudgedRun, execute
 from wholearm_ros.suite.suite_options import SuiteOptions
 
@@ -74,8 +75,9 @@ def simulate(
         if result.trajectory is None:
             finish(False)
         plan, trajectory = result.plan, result.trajectory
-    options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, rate=rate)
-    execution = execute(plan.scenario, trajectory, options, view=view)
+    loop = LoopOptions(rate, view=view)
+    options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, loop=loop)
+    execution = execute(plan.scenario, trajectory, options)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))
     if run_out:

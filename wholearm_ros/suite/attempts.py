@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 
 from wholearm_ros.control.execution import PROBING, Execution
-from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.estimation.claim import UNKNOWN, UNVERIFIED, Claim, claim, kept_to_plan
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_after
 from wholearm_ros.estimation.probe_plan import probe_after
-from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.probe import Probe
@@ -23,8 +21,8 @@ from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.simulation.closed_loop import RunRecord, lead
 from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.simulation.hand import HandBackend
+from wholearm_ros.suite.suite_options import SuiteOptions
 
-SETTLE = 0.5  # [s] of holding before the probe
 ON_EDGE = 0.03  # [rad] within which the object truly lies on an edge
 
 PlanAgain = Callable[[Scenario], ManipulationTrajectory | None]
@@ -111,28 +109,22 @@ def run_attempts(
     scenario: Scenario,
     trajectory: ManipulationTrajectory,
     perturbation: Perturbation,
+    options: SuiteOptions,
     plan_again: PlanAgain,
-    max_attempts: int = 1,
-    probe: bool = True,
-    backend: str = DEFAULT_BACKEND,
-    rate: float = 1000.0,
-    controls: ControlOptions = ControlOptions(),
-    feeler: Feeler | None = None,
-    view: bool = False,
     start: np.ndarray | None = None,
 ) -> Attempts:
     """Execute `trajectory`, feel, and go on until it is felt at the goal or nothing is left.
 
-    plan_again: a verified trajectory of a scenario, or None; probe: without it the outcome is
-    'unverified'; feeler: of the object, built here when not given; start: (5,) where hand
-    and object truly are, when that is not where the perturbed scenario says.
+    options: without a probe the outcome is 'unverified'; plan_again: a verified trajectory of a
+    scenario, or None; start: (5,) where hand and object truly are, when that is not where the
+    perturbed scenario says. Raises HardwareError when the backend is not there.
     """
-    feeler = feeler or Feeler(scenario)
-    hand = make_hand(backend, scenario, rate=rate, perturbation=perturbation, view=view)
+    loop = options.loop
+    hand = make_hand(options.backend, scenario, loop.rate, perturbation, loop.view)
     try:
         hand.reset(perturbed_start(scenario, hand.scenario) if start is None else start)
-        session = _Session(hand, scenario, perturbation, controls, feeler, probe)
-        return session.run(trajectory, plan_again, max_attempts)
+        session = _Session(hand, scenario, perturbation, options)
+        return session.run(trajectory, plan_again)
     finally:
         hand.disconnect()
 
@@ -145,19 +137,16 @@ class _Session:
         hand: HandBackend,
         scenario: Scenario,
         perturbation: Perturbation,
-        controls: ControlOptions,
-        feeler: Feeler,
-        probe: bool,
+        options: SuiteOptions,
     ) -> None:
         self.hand, self.scenario, self.perturbation = hand, scenario, perturbation
-        self.controls, self.feeler, self.probe = controls, feeler, probe
+        self.options, self.feeler = options, Feeler(scenario)
         self.motions: list[Motion] = []
         self.tracked = False
 
-    def run(
-        self, trajectory: ManipulationTrajectory, plan_again: PlanAgain, max_attempts: int
-    ) -> Attempts:
-        supervision = Supervision(self.scenario, max_attempts)
+    def run(self, trajectory: ManipulationTrajectory, plan_again: PlanAgain) -> Attempts:
+        """Until the supervision ends it."""
+        supervision = Supervision(self.scenario, self.options.attempts)
         supervision, decision = supervision.executed(self.execute(trajectory))
         while decision.action != END:
             if decision.action == FEEL:
@@ -183,11 +172,10 @@ class _Session:
         return self._lead(hold, planned=False)
 
     def _lead(self, trajectory: ManipulationTrajectory, planned: bool) -> Claim:
-        probe = probe_after(self.feeler, trajectory) if self.probe else None
-        seconds = self.controls.ramp + trajectory.duration + SETTLE
-        execution = Execution(trajectory, self.controls, SETTLE, probe)
-        steps = int(np.ceil(seconds / self.hand.period))
-        record = lead(self.hand, execution, self.controls, steps, self.perturbation)
+        loop = self.options.loop
+        probe = probe_after(self.feeler, trajectory) if self.options.probe else None
+        execution = Execution(trajectory, loop.controls, loop.settle, probe)
+        record = lead(self.hand, execution, loop, self.perturbation)
         if planned:
             self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
         said = self._claim(record, probe)

@@ -43,7 +43,6 @@ def execute(
     options: SuiteOptions,
     draw: int = 0,
     name: str = '',
-    view: bool = False,
 ) -> JudgedRun:
     """Run `trajectory` under perturbation number `draw` of the task `name`, feel, and try again.
 
@@ -55,19 +54,14 @@ def execute(
         perturbation_rng(options, name or scenario.name, draw), options.perturb, scenario
     )
     if options.backend == JURY:
-        verdict = hear(scenario, trajectory, perturbation, options.rate, options.controls)
+        verdict = hear(scenario, trajectory, perturbation, options.loop)
         return _of_jury(scenario, verdict, perturbation)
     attempts = run_attempts(
         scenario,
         trajectory,
         perturbation,
+        options,
         lambda again: plan_and_verify(again, options.request).trajectory,
-        max_attempts=options.attempts,
-        probe=options.probe,
-        backend=options.backend,
-        rate=options.rate,
-        controls=options.controls,
-        view=view,
     )
     judged = outcome(scenario, attempts.last)
     return JudgedRun(scenario, attempts.motions[0].record, judged, perturbation, attempts)
