@@ -5,7 +5,11 @@ import pytest
 from problems import ASYMMETRIC, REGULAR
 
 from wholearm_ros.mechanics.contacts import contact_rows, pair_from_name, pair_name
-from wholearm_ros.mechanics.forward_dynamics import build_forward_dynamics, solve_forward_dynamics
+from wholearm_ros.mechanics.forward_dynamics import (
+    Inputs,
+    build_forward_dynamics,
+    solve_forward_dynamics,
+)
 from wholearm_ros.mechanics.quasistatic import build_quasistatics
 from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
 from wholearm_ros.mechanics.world import build_world
@@ -37,7 +41,7 @@ def test_inside_the_torque_range_nothing_accelerates_and_forces_are_those_of_equ
             continue
         torque = 0.5 * (found.low + found.high)
         answer = solve_forward_dynamics(
-            build_forward_dynamics(world, pairs, q, REST, finger, torque)
+            build_forward_dynamics(world, pairs, q, REST, Inputs(finger, torque))
         )
         np.testing.assert_allclose(answer.accelerations, 0.0, atol=1e-6)
         np.testing.assert_allclose(
@@ -59,7 +63,7 @@ def test_more_than_the_largest_torque_breaks_a_contact():
             continue
         torque = found.high + 1.0
         answer = solve_forward_dynamics(
-            build_forward_dynamics(world, pairs, q, REST, RIGHT, torque)
+            build_forward_dynamics(world, pairs, q, REST, Inputs(RIGHT, torque))
         )
         assert answer.breaking() and answer.residual() <= 1e-9 * max(
             1.0, np.abs(answer.problem.b).max()
@@ -77,7 +81,7 @@ def test_at_the_end_of_the_slide_the_extra_torque_lifts_the_right_palm_contact()
         build_torque_range(build_quasistatics(world, pairs, q), RIGHT, world.torque_limits)
     )
     answer = solve_forward_dynamics(
-        build_forward_dynamics(world, pairs, q, REST, RIGHT, found.high + 0.5)
+        build_forward_dynamics(world, pairs, q, REST, Inputs(RIGHT, found.high + 0.5))
     )
     assert [pair_name(c) for c in answer.breaking()] == ['v1:palm.e0'] and answer.accelerations[
         2
@@ -95,7 +99,7 @@ def test_complementarity_and_newton_hold_at_any_torque_and_velocity():
         )
         turning = rng.uniform(-5.0, 5.0)
         answer = solve_forward_dynamics(
-            build_forward_dynamics(world, pairs, q, rate, finger, torque, turning)
+            build_forward_dynamics(world, pairs, q, rate, Inputs(finger, torque, turning))
         )
         scale = max(1.0, np.abs(answer.problem.b).max())
         assert answer.residual() <= 1e-9 * scale and answer.forces.min() >= -1e-9 * scale

@@ -14,13 +14,13 @@ from wholearm_ros.model.backends import DEFAULT_BACKEND, installed_backends
 from wholearm_ros.model.goal import ANGLE_TOLERANCE
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.orientation import goal_rotation
-from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
+from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
-from wholearm_ros.simulation.closed_loop import finished, run
+from wholearm_ros.simulation.closed_loop import LoopOptions, finished, run
 from wholearm_ros.simulation.outcome import outcome, palm_gap
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
@@ -63,9 +63,7 @@ def test_the_same_run_twice_is_the_same(backend, level):
     records = []
     for _ in range(2):
         perturbation = draw_perturbation(np.random.default_rng(3), level, SCENARIO)
-        records.append(
-            run(SCENARIO, push(seconds=0.3), backend=backend, perturbation=perturbation, seed=5)
-        )
+        records.append(run(SCENARIO, push(seconds=0.3), backend, perturbation.reseeded(5)))
     for name in ('angles', 'velocities', 'efforts', 'poses'):
         np.testing.assert_allclose(
             getattr(records[0], name), getattr(records[1], name), rtol=0.0, atol=1e-12
@@ -74,9 +72,9 @@ def test_the_same_run_twice_is_the_same(backend, level):
 
 def test_the_seed_changes_the_noise_only_when_there_is_noise():
     noisy = Perturbation(encoder_noise=2e-4, velocity_noise=0.02)
-    for perturbation, same in ((None, True), (noisy, False)):
+    for perturbation, same in ((NOMINAL, True), (noisy, False)):
         a, b = (
-            run(SCENARIO, push(seconds=0.1), perturbation=perturbation, seed=s).poses[-1]
+            run(SCENARIO, push(seconds=0.1), perturbation=perturbation.reseeded(s)).poses[-1]
             for s in (1, 2)
         )
         assert np.array_equal(a, b) == same
@@ -91,7 +89,9 @@ def test_both_stand_ins_agree_over_a_push():
 
 
 def test_a_finger_that_is_blocked_stops_the_run_with_the_reason():
-    record = run(SCENARIO, push(), controls=ControlOptions(max_tracking_error=0.005))
+    record = run(
+        SCENARIO, push(), loop=LoopOptions(controls=ControlOptions(max_tracking_error=0.005))
+    )
     assert (
         record.modes[-1] == STOPPED and 'tracking error' in record.reason and not finished(record)
     )
@@ -101,7 +101,7 @@ def test_a_finger_that_is_blocked_stops_the_run_with_the_reason():
 
 def at_end(scenario, pose, speed=0.0):
     """A record whose end is as given."""
-    record = run(SCENARIO, push(seconds=0.1), settle=0.1)
+    record = run(SCENARIO, push(seconds=0.1), loop=LoopOptions(settle=0.1))
     poses = np.tile(np.asarray(pose, dtype=float), (len(record.times), 1))
     poses[:, 0] += speed * (record.times - record.times[-1])
     return replace(record, poses=poses, truth=scenario)

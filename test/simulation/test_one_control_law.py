@@ -16,7 +16,7 @@ from wholearm_ros.rollout.perturbed_samples import (
     follow_course,
     start_at_rest,
 )
-from wholearm_ros.simulation.closed_loop import run
+from wholearm_ros.simulation.closed_loop import LoopOptions, run
 
 SETTLE = 0.2  # [s]
 DRAWS = 3
@@ -37,8 +37,7 @@ def both(scenario, trajectory, level, draw, controls=ControlOptions()):
         trajectory,
         backend='planar',
         perturbation=sample.perturbation,
-        controls=controls,
-        settle=SETTLE,
+        loop=LoopOptions(controls=controls, settle=SETTLE),
     )
     rolled = follow_course(
         sample, course_of(trajectory), start_at_rest(sample), controls, SETTLE, len(record.times)
@@ -78,7 +77,7 @@ def test_both_stop_where_the_same_run_leaves_its_band(planned):
     """A band round the nominal run, and another sample: the same segment, time and residuals, and the same commands until then."""
     scenario, trajectory = planned
     controls = ControlOptions(stop_outside=True)
-    nominal = run(scenario, trajectory, backend='planar', settle=SETTLE)
+    nominal = run(scenario, trajectory, backend='planar', loop=LoopOptions(settle=SETTLE))
     ramp = int(round(1000 * controls.ramp))
     rolled, record = both(scenario, narrow(trajectory, nominal.angles[ramp:]), 2.0, 0, controls)
     outside, stopped = rolled.switch.outside, record.modes.index('stopped')

@@ -28,6 +28,7 @@ from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.planner.legs import Leg
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.run_document import run_document
+from wholearm_ros.simulation.closed_loop import LoopOptions
 from wholearm_ros.suite.execution import JudgedRun, execute
 from wholearm_ros.suite.suite_options import SuiteOptions
 
@@ -77,8 +78,9 @@ def simulate(
         if result.trajectory is None:
             finish(False)
         plan, trajectory = result.plan, result.trajectory
-    options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, rate=rate)
-    execution = execute(plan.scenario, Leg(trajectory, plan.scenario), options, view=view)
+    loop = LoopOptions(rate, view=view)
+    options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, loop=loop)
+    execution = execute(plan.scenario, Leg(trajectory, plan.scenario), options)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))
     if run_out:

@@ -1,1 +1,3 @@
-"""Pure controllers and the mode switch: (state, setpoint, dt) → effort. The same code runs in the nodes and without ROS."""
+"""Pure controllers and the mode switch: (state, setpoint, dt) → effort. Nodes and the closed loop
+without ROS run the same code.
+"""

@@ -1,6 +1,8 @@
-"""What the drives do with the commands they get, and without: brake, driven, hold, limp, stopped."""
+"""What the drives do with the commands they get, and without: brake, driven, hold, limp,
+stopped.
+"""
 
-from typing import Optional
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,33 +12,38 @@ BRAKE, DRIVEN, HOLD, LIMP, STOPPED = 'brake', 'driven', 'hold', 'limp', 'stopped
 class CommandWatchdog:
     """Watches over both joints' commands. Times are stamps [ns] of the hardware's own clock.
 
-    brake: no command yet, the drives hold the fingers; driven: both commands fresh; hold: a command is older than
-    `timeout`, the drives hold the fingers where they are and take fresh commands again; limp: hold lasted `hold_time`,
-    zero torque until the reset; stopped: on request, the drives hold the fingers and take no command until the reset.
+    brake: no command yet, the drives hold the fingers; driven: both commands fresh; hold: a command
+    is older than `timeout`, the drives hold the fingers where they are and take fresh commands
+    again; limp: hold lasted `hold_time`, zero torque until the reset; stopped: on request, the
+    drives hold the fingers and take no command until the reset.
+
+    limits: (2,) largest torques [N m]; timeout, hold_time [ns]. late, saturated, trips: commands
+    dropped, commands cut to the limit, times on hold; taken: commands of each joint.
     """
 
-    def __init__(self, limits, timeout: int, hold_time: int):
-        self._limits = limits  # (2,) [N m]
+    def __init__(self, limits: Sequence[float], timeout: int, hold_time: int) -> None:
+        self._limits = limits
         self._timeout, self._hold_time = timeout, hold_time
-        self.late = self.saturated = self.trips = (
-            0  # commands dropped, commands cut to the limit, times on hold
-        )
-        self.taken = [0, 0]  # commands of each joint
+        self.late = self.saturated = self.trips = 0
+        self.taken = [0, 0]
         self.reset(0)
 
-    def reset(self, now: int):
+    def reset(self, now: int) -> None:
         """Brakes; commands stamped before `now` are those of another run."""
         self.state = BRAKE
         self._since = now
         self.newest = [now - 1, now - 1]  # stamps of the newest commands
         self.efforts = np.zeros(2)  # [N m]
 
-    def stop(self):
+    def stop(self) -> None:
         """From the next period on, whatever was commanded."""
         self.state = STOPPED
 
     def command(self, joint: int, stamp: int, effort: float, now: int) -> bool:
-        """Whether the command was taken: newer than the one before it and not from the future."""
+        """Whether the command was taken: newer than the one before it and not from the future.
+
+        stamp, now [ns]; effort [N m], cut to the joint's limit.
+        """
         if not self.newest[joint] < stamp <= now or self.state in (LIMP, STOPPED):
             self.late += 1
             return False
@@ -48,14 +55,17 @@ class CommandWatchdog:
         return True
 
     def both_at(self, stamp: int) -> bool:
+        """Whether the newest command of either joint is the one of `stamp` [ns]."""
         return self.newest[0] == self.newest[1] == stamp
 
     def age(self, now: int) -> int:
         """Of the older one of both commands [ns]."""
         return now - min(self.newest)
 
-    def decide(self, now: int) -> Optional[np.ndarray]:
-        """(2,) [N m] for the period that begins now; None where the drives shall hold the fingers."""
+    def decide(self, now: int) -> np.ndarray | None:
+        """(2,) [N m] for the period that begins at `now` [ns]; None where the drives shall hold the
+        fingers.
+        """
         fresh = self.age(now) <= self._timeout and min(self.newest) >= self._since
         if self.state == STOPPED:
             return None

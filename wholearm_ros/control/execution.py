@@ -1,15 +1,14 @@
-"""One execution of a trajectory: the mode switch to its end, the settling there, and the probe that feels what came of it.
+"""One execution of a trajectory: the mode switch to its end, the settling there, and the probe that
+feels what came of it.
 
 Nodes and the closed loop without ROS call the same code.
 """
-
-from typing import Optional
 
 import numpy as np
 
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch, SwitchState
 from wholearm_ros.control.probing import Probing, ProbingState
-from wholearm_ros.control.setpoints import ControlOptions, Joints
+from wholearm_ros.control.setpoints import ControlOptions, Joints, Setpoints
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
@@ -18,10 +17,12 @@ COURSE_PERIOD = 0.02  # [s] between two rows of a course
 
 
 class Execution:
-    """Leads the fingers along `trajectory` from the first joint state it is given. Times [s] from any zero.
+    """Leads the fingers along `trajectory` from the first joint state it is given. Times [s] from
+    any zero.
 
-    settle [s]: how long the end is held; `over` when that time has passed after the end, the probe's if there is one, or
-    after a stop. probe: the motion after the settling, None to do without.
+    settle [s]: how long the end is held; `over` when that time has passed after the end, the
+    probe's if there is one, or after a stop. probe: the motion after the settling, None to do
+    without.
     """
 
     def __init__(
@@ -29,19 +30,19 @@ class Execution:
         trajectory: ManipulationTrajectory,
         options: ControlOptions,
         settle: float,
-        probe: Optional[Probe] = None,
-    ):
+        probe: Probe | None = None,
+    ) -> None:
         self._switch, self._settle = ModeSwitch(trajectory, options), settle
         self._probing = None if probe is None else Probing(probe)
         self.trajectory, self.probe = trajectory, probe
         self.state: SwitchState = self._switch.initial()
-        self.felt: Optional[ProbingState] = None
-        self._ended: Optional[float] = None
+        self.felt: ProbingState | None = None
+        self._ended: float | None = None
         self.mode, self.over = IDLE, False
         self._course: list[np.ndarray] = []
 
-    def step(self, now: float, joints: Joints) -> tuple:
-        """Both setpoints for the joint state at `now`."""
+    def step(self, now: float, joints: Joints) -> Setpoints:
+        """Both setpoints for the joint state at `now` [s]."""
         if self.felt is not None and self.state.mode != STOPPED:
             return self._probe(now, joints)
         self.state, motion, torque = self._switch.step(self.state, now, joints)
@@ -59,7 +60,7 @@ class Execution:
             self.mode = self.state.mode
         return motion, torque
 
-    def _probe(self, now: float, joints: Joints) -> tuple:
+    def _probe(self, now: float, joints: Joints) -> Setpoints:
         assert self._probing is not None and self.felt is not None
         self.state = self._switch.watch(self.state, now, joints)
         if self.state.mode == STOPPED:
@@ -86,7 +87,7 @@ class Execution:
 
     @property
     def shown(self) -> str:
-        """The mode, done as soon as the trajectory is at its end, though it is still settling there."""
+        """The mode; done as soon as the trajectory is at its end, even while settling there."""
         return self.mode if self.felt is not None else self.state.mode
 
     @property
@@ -95,7 +96,7 @@ class Execution:
         return self.state.progress
 
     @property
-    def pairs(self) -> tuple:
+    def pairs(self) -> tuple[np.ndarray, ...]:
         """Pairs of angles (2,) [rad] that the probe has measured so far."""
         return () if self.felt is None else self.felt.pairs
 

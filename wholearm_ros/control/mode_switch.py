@@ -1,4 +1,6 @@
-"""The mode switch: leads both fingers along a manipulation trajectory, on its clock, and stops on a fault."""
+"""The mode switch: leads both fingers along a manipulation trajectory, on its clock, and stops on a
+fault.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -41,9 +43,9 @@ def course_of(trajectory: ManipulationTrajectory) -> Course:
 class SwitchState:
     """mode: idle, one of the trajectory's modes, done or stopped; reason: why stopped.
 
-    switch: the switch law's state, None before the run began; progress: share of the trajectory, 0 to 1;
-    first_efforts: (2,) [N m] found when the run began; held_angle [rad]: of the velocity finger when stopped;
-    held_efforts: (2,) [N m] of both from then on.
+    switch: the switch law's state, None before the run began; progress: share of the trajectory,
+    0 to 1; first_efforts: (2,) [N m] found when the run began; held_angle [rad]: of the velocity
+    finger when stopped; held_efforts: (2,) [N m] of both from then on.
     """
 
     mode: str = IDLE
@@ -75,7 +77,7 @@ class ModeSwitch:
 
     def __init__(
         self, trajectory: ManipulationTrajectory, options: ControlOptions = ControlOptions()
-    ):
+    ) -> None:
         self.trajectory = trajectory
         self.options = options
         self._law, self._course = options.switch_law(), course_of(trajectory)
@@ -89,8 +91,8 @@ class ModeSwitch:
     ) -> SwitchState:
         """Stopped: the velocity finger holds its angle, the torque finger lets go (slew-limited).
 
-        hold: nothing is wrong, so where the object is in equilibrium the torque finger keeps the smallest torque that
-        holds it, a little inside of its range.
+        hold: nothing is wrong, so where the object is in equilibrium the torque finger keeps the
+        smallest torque that holds it, a little inside of its range.
         """
         if state.mode == STOPPED:
             return state
@@ -111,7 +113,9 @@ class ModeSwitch:
         )
 
     def _holding(self, state: SwitchState, finger: int) -> tuple[float, float]:
-        """(left, right) [N m] that hold the object at this point of the plan; zero where it is not in equilibrium."""
+        """(left, right) [N m] that hold the object at this point of the plan; zero where it is not
+        in equilibrium.
+        """
         if state.mode not in (QUASI_STATIC, DWELL):
             return 0.0, 0.0
         efforts = self.trajectory.sample(state.elapsed).efforts.copy()
@@ -165,8 +169,8 @@ class ModeSwitch:
         """Why the switch law stops."""
         if state.switch is not None and state.switch.error != 0.0:
             return (
-                f'tracking error of the velocity-controlled finger is {state.switch.error:+.3f} rad; '
-                f'allowed: {self.options.max_tracking_error} rad'
+                f'tracking error of the velocity-controlled finger is {state.switch.error:+.3f} '
+                f'rad; allowed: {self.options.max_tracking_error} rad'
             )
         return self.deviation(state)
 

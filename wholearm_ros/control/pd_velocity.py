@@ -1,4 +1,4 @@
-"""The velocity controller: PD feedback on the planned motion, with the equilibrium torque fed forward."""
+"""The velocity controller: PD feedback on the planned motion, equilibrium torque fed forward."""
 
 from wholearm_ros.control.setpoints import PdGains, VelocitySetpoint
 from wholearm_ros.kernels.control_law import pd_effort
@@ -8,8 +8,10 @@ from wholearm_ros.model.hand import Finger
 def velocity_effort(
     gains: PdGains, finger: Finger, setpoint: VelocitySetpoint, angle: float, velocity: float
 ) -> float:
-    """Motor torque [N m] for a measured `angle` [rad] and `velocity` [rad/s], within the finger's limit.
+    """Motor torque [N m] for a measured `angle` [rad] and `velocity` [rad/s], within the finger's
+    limit.
 
     Zero when a measurement is not finite: without a reading, feedback can only do harm.
     """
-    return pd_effort(gains, finger.torque_limit, setpoint, angle, velocity)
+    effort: float = pd_effort(gains, finger.torque_limit, setpoint, angle, velocity)
+    return effort

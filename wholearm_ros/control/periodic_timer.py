@@ -1,25 +1,36 @@
-"""The wall clock of a motor loop: absolute deadlines, so that the mean rate is the one asked for."""
+"""The wall clock of a motor loop: absolute deadlines, so that the mean rate is the one asked
+for.
+"""
 
 import time
+from collections.abc import Callable
 
 SHORTEST = 0.9  # of a period, while lateness is worked off
 MOST_BEHIND = 100_000_000  # [ns]; what is beyond is given up
 
 
 class PeriodicTimer:
-    """`wait()` returns once a period. A loop that came late works it off by periods a tenth shorter: every one of them
-    is still a step under control, while a burst of steps would be physics without any.
+    """`wait()` returns once a period. A loop that came late works it off by periods a tenth
+    shorter: every one of them is still a step under control, while a burst of steps would be
+    physics without any.
 
-    overruns: ticks that were due before the loop asked for them; worst_late, slipped [ns]: the largest lateness, and
-    the time that was given up.
+    period [ns]; now: a clock [ns]; sleep: waits for so many seconds. overruns: ticks that were due
+    before the loop asked for them; worst_late, slipped [ns]: the largest lateness, and the time
+    that was given up.
     """
 
-    def __init__(self, period: int, now=time.monotonic_ns, sleep=time.sleep):
+    def __init__(
+        self,
+        period: int,
+        now: Callable[[], int] = time.monotonic_ns,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
         self._period, self._now, self._sleep = period, now, sleep
         self._due = self._ticked = now()
         self.overruns = self.worst_late = self.slipped = 0
 
-    def wait(self):
+    def wait(self) -> None:
+        """Returns at the next tick; at once when it is due already."""
         self._due += self._period
         at = max(self._due, self._ticked + round(SHORTEST * self._period))
         ahead = at - self._now()

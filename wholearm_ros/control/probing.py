@@ -1,10 +1,13 @@
-"""Probing: the motion that feels what lies between the fingers. Pure: a step takes a state and returns the next one.
+"""Probing: the motion that feels what lies between the fingers. Pure: a step takes a state and
+returns the next one.
 
-The closing finger gives way at a small torque, so the object is pushed by the held finger, which is position-controlled,
-and slides along the palm until it lies at both: friction does not keep it from doing so.
+The closing finger gives way at a small torque, so the object is pushed by the held finger, which is
+position-controlled, and slides along the palm until it lies at both: friction does not keep it from
+doing so.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,29 +16,29 @@ from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.probe import Probe
 
 ACCELERATION = 3.0  # [rad/s²] of the held finger at most: what it pushes must not run ahead of it
-PEAK = (
-    5.7735  # greatest acceleration of a fifth-order move from rest to rest, over its way and time
-)
+# Greatest acceleration of a fifth-order move from rest to rest, over its way and time.
+PEAK = 5.7735
 SHORTEST = 0.12  # [s] of one of its moves
 STIFFNESS = 6.0  # [N m/rad] of the closing finger about its target, until `torque` bounds it
-CLOSING_SPEED = (
-    0.4  # [rad/s] at which damping balances the closing torque: faster, it would tip what it meets
-)
+# [rad/s] at which damping balances the closing torque: faster, it would tip what it meets.
+CLOSING_SPEED = 0.4
 OPENING_TORQUE = 0.3  # [N m] at most, while the closing finger opens
 RELEASE = 0.25  # [s] in which the torques found at the start fade out
-WINDOW, WINDOWS = (
-    0.02,
-    4,
-)  # [s] and number of the stretches of readings whose means are compared: noise averages out
-AT_REST = 6e-4  # [rad] fingers whose means all lie within this are at rest; a finger that turns round is not
+# [s] and number of the stretches of readings whose means are compared: noise averages out.
+WINDOW, WINDOWS = 0.02, 4
+# [rad] fingers whose means all lie within this are at rest; a finger that turns round is not.
+AT_REST = 6e-4
 LONGEST_WAIT = 2.0  # [s] for rest at one place
 JAMMED = 0.06  # [rad] of the held finger from its setpoint: something does not give way
+
+Reading = tuple[float, np.ndarray]  # time [s], angles (2,) [rad]
 
 
 @dataclass(frozen=True)
 class Phase:
-    """One move: the held finger goes to `angle` [rad] in `duration` [s], the closing one opens or closes meanwhile; ends at
-    rest. measured: whether the pair of angles is read then."""
+    """One move: the held finger goes to `angle` [rad] in `duration` [s], the closing one opens or
+    closes meanwhile; ends at rest. measured: whether the pair of angles is read then.
+    """
 
     angle: float
     duration: float
@@ -45,17 +48,20 @@ class Phase:
 
 @dataclass(frozen=True, eq=False)
 class ProbingState:
-    """phases: (Phase, ...) from where the held finger was found; phase: index of the present one; began, phase_began [s]; first: angles and efforts (2,) found at the start;
-    readings: the last (time, angles); pairs: (2,) each, what was felt at the places so far; over; reason: why it ended early."""
+    """phases: from where the held finger was found; phase: index of the present one; began,
+    phase_began [s]; first_angles, first_efforts: (2,) [rad, N m] found at the start; readings: the
+    last ones; pairs: (2,) [rad] each, what was felt at the places so far; reason: why it ended
+    early.
+    """
 
-    phases: tuple
+    phases: tuple[Phase, ...]
     phase: int
     began: float
     phase_began: float
     first_angles: np.ndarray
     first_efforts: np.ndarray
-    readings: tuple = ()
-    pairs: tuple = ()
+    readings: tuple[Reading, ...] = ()
+    pairs: tuple[np.ndarray, ...] = ()
     over: bool = False
     reason: str = ''
 
@@ -63,7 +69,7 @@ class ProbingState:
 class Probing:
     """Leads both fingers along a `Probe`."""
 
-    def __init__(self, probe: Probe):
+    def __init__(self, probe: Probe) -> None:
         self.probe = probe
 
     def initial(self, now: float, joints: Joints) -> ProbingState:
@@ -73,45 +79,38 @@ class Probing:
             self._phases(found), 0, now, now, joints.angles.copy(), joints.efforts.copy()
         )
 
-    def _phases(self, found: float) -> tuple:
+    def _phases(self, found: float) -> tuple[Phase, ...]:
         """The moves of a held finger that was found at an angle [rad]."""
         probe, held = self.probe, self.probe.held
         first = float(probe.places[0])
         opened = found - CLOSING[held] * float(probe.opened[held])
         widest = min((opened, first), key=lambda angle: CLOSING[held] * angle)
-        moves = [
+        ways = pairwise([widest, *map(float, probe.places)])
+        return (
             Phase(found, RELEASE, False, False),
             Phase(widest, _time(found, widest), False, False),
-        ]
-        before = widest
-        if widest != first:
-            moves.append(Phase(first, _time(widest, first), True, True))
-        else:
-            moves.append(Phase(first, SHORTEST, True, True))
-        before = first
-        for place in probe.places[1:]:
-            moves.append(Phase(float(place), _time(before, place), True, True))
-            before = float(place)
-        return tuple(moves)
+            *(Phase(place, _time(before, place), True, True) for before, place in ways),
+        )
 
-    def step(self, state: ProbingState, now: float, joints: Joints) -> tuple:
-        """(next state, VelocitySetpoint of the held finger, TorqueSetpoint of the closing one) at `now` [s]."""
-        phases = state.phases
+    def step(
+        self, state: ProbingState, now: float, joints: Joints
+    ) -> tuple[ProbingState, VelocitySetpoint, TorqueSetpoint]:
+        """The next state and the setpoints of the held and of the closing finger at `now` [s]."""
         if not state.over:
             oldest = now - WINDOWS * WINDOW
             recent = tuple(r for r in state.readings if r[0] > oldest)
             state = replace(state, readings=(*recent, (now, joints.angles.copy())))
-            state = self._next(state, phases, now)
-        motion = self._motion(state, phases, now, joints)
+            state = self._next(state, now)
+        motion = self._motion(state, now, joints)
         error = abs(float(joints.angles[motion.joint]) - motion.angle)
         if error > JAMMED and not state.over:
-            state = replace(
-                state, over=True, reason=f'the held finger is {error:.3f} rad off: jammed'
-            )
-        return state, motion, self._torque(state, phases, now, joints)
+            reason = f'the held finger is {error:.3f} rad off: jammed'
+            state = replace(state, over=True, reason=reason)
+        return state, motion, self._torque(state, now, joints)
 
-    def _next(self, state: ProbingState, phases: tuple, now: float) -> ProbingState:
-        phase, elapsed = phases[state.phase], now - state.phase_began
+    def _next(self, state: ProbingState, now: float) -> ProbingState:
+        """The state after the present move, if it has ended."""
+        phase, elapsed = state.phases[state.phase], now - state.phase_began
         if elapsed < phase.duration:
             return state
         if not (_at_rest(state.readings, now) or elapsed > phase.duration + LONGEST_WAIT):
@@ -119,7 +118,7 @@ class Probing:
         pairs = state.pairs
         if phase.measured:
             pairs = (*pairs, _mean(state.readings, now - 2 * WINDOW, now))
-        last = state.phase + 1 == len(phases)
+        last = state.phase + 1 == len(state.phases)
         return replace(
             state,
             phase=state.phase + (not last),
@@ -129,10 +128,9 @@ class Probing:
             over=last,
         )
 
-    def _motion(
-        self, state: ProbingState, phases: tuple, now: float, joints: Joints
-    ) -> VelocitySetpoint:
-        held = self.probe.held
+    def _motion(self, state: ProbingState, now: float, joints: Joints) -> VelocitySetpoint:
+        """The held finger's move, its own weight fed forward."""
+        held, phases = self.probe.held, state.phases
         phase = phases[state.phase]
         start = phases[state.phase - 1].angle if state.phase else float(state.first_angles[held])
         share, rate = _quintic(now - state.phase_began, phase.duration)
@@ -142,13 +140,11 @@ class Probing:
         turn = phase.angle - start
         return VelocitySetpoint(held, start + share * turn, rate * turn, effort)
 
-    def _torque(
-        self, state: ProbingState, phases: tuple, now: float, joints: Joints
-    ) -> TorqueSetpoint:
+    def _torque(self, state: ProbingState, now: float, joints: Joints) -> TorqueSetpoint:
         """A soft servo: towards the stop, or towards open, never with more than the bound."""
         probe, side = self.probe, self.probe.closing
         angle, speed = float(joints.angles[side]), float(joints.velocities[side])
-        closes = phases[state.phase].closes
+        closes = state.phases[state.phase].closes
         bound = probe.torque if closes else OPENING_TORQUE
         target = float(probe.stops[side])
         if not closes:
@@ -162,7 +158,7 @@ class Probing:
         )
 
 
-def _at_rest(readings: tuple, now: float) -> bool:
+def _at_rest(readings: tuple[Reading, ...], now: float) -> bool:
     if now - readings[0][0] < (WINDOWS - 0.5) * WINDOW:
         return False
     ends = [now - k * WINDOW for k in range(WINDOWS, -1, -1)]
@@ -170,17 +166,18 @@ def _at_rest(readings: tuple, now: float) -> bool:
     return bool(np.ptp(means, axis=0).max() < AT_REST)
 
 
-def _mean(readings: tuple, after: float, until: float) -> np.ndarray:
-    """(2,) mean angles in (after, until]; NaN where there are none."""
+def _mean(readings: tuple[Reading, ...], after: float, until: float) -> np.ndarray:
+    """(2,) [rad] mean angles in (after, until]; NaN where there are none."""
     within = [angles for t, angles in readings if after < t <= until]
     return np.mean(within, axis=0) if within else np.full(2, np.nan)
 
 
 def _time(start: float, end: float) -> float:
+    """[s] of a move between two angles [rad]."""
     return max(SHORTEST, float(np.sqrt(PEAK * abs(end - start) / ACCELERATION)))
 
 
-def _quintic(elapsed: float, duration: float) -> tuple:
+def _quintic(elapsed: float, duration: float) -> tuple[float, float]:
     """(share of the way, its rate [1/s]), at rest at both ends."""
     u = min(max(elapsed / duration, 0.0), 1.0)
     return u**3 * (10.0 - 15.0 * u + 6.0 * u * u), 30.0 * (u * (1.0 - u)) ** 2 / duration

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -20,21 +21,30 @@ LIKELY = 0.9  # probability that is enough for what the plan led to, when the fi
 
 @dataclass(frozen=True)
 class Claim:
-    """outcome: one of OUTCOMES, or unverified; reason: for people; felt: None when no probe was made."""
+    """outcome: one of OUTCOMES, or unverified; reason: for people; felt: None when no probe was
+    made.
+    """
 
     outcome: str
     reason: str
     felt: Felt | None = None
 
     @property
+    def told(self) -> Candidate | None:
+        """What the object is said to lie on, None when no edge is told."""
+        if self.felt is None or (self.felt.kind != LYING and self.outcome != AT_GOAL):
+            return None
+        return self.felt.best
+
+    @property
     def sure(self) -> bool:
         """Whether an edge is told."""
-        return self.felt is not None and (self.felt.kind == LYING or self.outcome == AT_GOAL)
+        return self.told is not None
 
     @property
     def edge(self) -> int:
         """The felt edge, −1 when none is sure."""
-        return self.felt.best.edges[0] if self.sure else -1
+        return -1 if self.told is None else self.told.edges[0]
 
     @property
     def x(self) -> float:
@@ -43,22 +53,24 @@ class Claim:
             self.felt.best.x if self.felt is not None and self.felt.kind == LYING else float('nan')
         )
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """For documents."""
-        lying = self.sure
+        told = self.told
         return {
             'claimed': self.outcome,
             'claim_reason': self.reason,
-            'felt_edge': self.edge if lying else None,
-            'felt_edges': list(self.felt.best.edges) if lying else [],
-            'felt_x': self.x if lying and np.isfinite(self.x) else None,
-            'felt_x_deviation': _finite(self.felt.best.x_deviation) if lying else None,
-            'felt_probability': self.felt.best.probability if lying else None,
+            'felt_edge': told and told.edges[0],
+            'felt_edges': list(told.edges) if told else [],
+            'felt_x': _finite(self.x),
+            'felt_x_deviation': told and _finite(told.x_deviation),
+            'felt_probability': told and told.probability,
         }
 
     @classmethod
     def from_dict(cls, told: dict[str, str]) -> 'Claim':
-        """Of texts as a goal's result has them: what `to_dict` tells, '' for None; what is damaged is unknown."""
+        """Of texts as a goal's result has them: what `to_dict` tells, '' for None; what is damaged
+        is unknown.
+        """
         try:
             edges = tuple(int(edge) for edge in json.loads(told.get('felt_edges') or '[]'))
             x = float(told.get('felt_x') or 'nan')
@@ -76,8 +88,8 @@ class Claim:
 def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Claim:
     """What may be said of the goal of `scenario`.
 
-    tracked: whether the fingers kept to the plan, see `kept_to_plan`; only then is one of several edges that feel alike
-    taken for the one at which the plan ends.
+    tracked: whether the fingers kept to the plan, see `kept_to_plan`; only then is one of several
+    edges that feel alike taken for the one at which the plan ends.
     """
     if felt.kind == NOTHING:
         return Claim(LOST, 'nothing in the hand', felt)
@@ -96,12 +108,15 @@ def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Clai
         return Claim(ELSEWHERE, f'felt {felt.describe()}: {missing}', felt)
     if len(best.edges) > 1 and not tracked:
         reason = (
-            f'felt up to symmetry {felt.describe()}; the fingers did not go the way they go when the object '
-            'arrives, so it may be any of them'
+            f'felt up to symmetry {felt.describe()}; the fingers did not go the way they go when '
+            'the object arrives, so it may be any of them'
         )
         return Claim(UNKNOWN, reason, felt)
     if len(best.edges) > 1:
-        reason = f'felt up to symmetry {felt.describe()}; the fingers went the way they go when it arrives'
+        reason = (
+            f'felt up to symmetry {felt.describe()}; the fingers went the way they go when it '
+            'arrives'
+        )
         return Claim(AT_GOAL, reason, felt)
     return Claim(AT_GOAL, f'felt {felt.describe()}', felt)
 
@@ -111,8 +126,8 @@ def kept_to_plan(
 ) -> bool:
     """Whether the fingers kept to the plan.
 
-    course (m, 2) [rad], in_band: see `Execution`. For an object with edges that feel alike the way counts, too: the band
-    by itself leaves it open whether the object slipped back by an edge.
+    course (m, 2) [rad], in_band: see `Execution`. For an object with edges that feel alike the way
+    counts, too: the band by itself leaves it open whether the object slipped back by an edge.
     """
     if feeler.symmetric:
         near = nearest_course(course, trajectory.courses)
@@ -127,7 +142,9 @@ def reported_claim(
     said: dict[str, str],
     tracked: bool,
 ) -> Claim:
-    """The claim from what the mode switcher says after a probe: texts `pairs` (JSON) and `interrupted`."""
+    """The claim from what the mode switcher says after a probe: texts `pairs` (JSON) and
+    `interrupted`.
+    """
     try:
         pairs = np.array(json.loads(said.get('pairs') or '[]'), float).reshape(-1, 2)
     except ValueError as error:
@@ -143,8 +160,8 @@ def reported_claim(
 def reported_as_kept(
     feeler: Feeler, trajectory: ManipulationTrajectory, said: dict[str, str]
 ) -> bool:
-    """`kept_to_plan` from what the mode switcher says: texts `course` (JSON) and `in band`; what cannot be read was not
-    kept to.
+    """`kept_to_plan` from what the mode switcher says: texts `course` (JSON) and `in band`; what
+    cannot be read was not kept to.
     """
     try:
         course = np.array(json.loads(said.get('course') or '[]'), float).reshape(-1, 2)

@@ -1,8 +1,11 @@
-"""Feeling: from pairs of finger angles to where the object lies, how surely, and what else it might be."""
+"""Feeling: from pairs of finger angles to where the object lies, how surely, and what else it might
+be.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import combinations
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,23 +21,39 @@ OFFSET_DEVIATION = 0.001  # [rad] of an encoder's zero
 READING_DEVIATION = 0.0005  # [rad] of a pair's angles, noise and rest together
 SURE = 0.99  # probability from which a hypothesis is told
 MISFIT = 6.0  # χ² for each pair above which not even the best hypothesis fits
-APART = (
-    0.1  # probability that the object lies off the held finger at a place, where friction kept it
-)
+# Probability that the object lies off the held finger at a place, where friction kept it.
+APART = 0.1
 FURTHEST_APART = 0.2  # [rad] by which the closing finger is then more open at most
-PUSHED = 0.002  # [rad] by which the closing finger must have given way for the held one to be touching, too
+# [rad] by which the closing finger must have given way for the held one to be touching, too.
+PUSHED = 0.002
 FEWEST = 3  # such pairs from which something can be told
 AT_STOP = 0.03  # [rad] from its stop: the closing finger met nothing
 SAME_PLACE = 0.003  # [m] both fingers say the same x
 
+Pair = tuple[float, float]  # angles [rad], left then right
+
+
+class Fit(NamedTuple):
+    """How well an object that lies in one way explains k pairs: log likelihood; misfit: χ² for each
+    pair; residual: rms [rad] of the closing finger's angles.
+    """
+
+    likelihood: float
+    misfit: float
+    residual: float
+
+
+NO_FIT = Fit(-1e9, np.inf, np.inf)
+
 
 @dataclass(frozen=True)
 class Candidate:
-    """edges: alike to the fingers; segment of the palm; x [m] of the centroid and its standard deviation; residual [rad]:
-    rms of the closing finger's angles; misfit: χ² for each pair; probability: among the candidates.
+    """edges: alike to the fingers; segment of the palm; x [m] of the centroid and its standard
+    deviation; residual [rad]: rms of the closing finger's angles; misfit: χ² for each pair;
+    probability: among the candidates.
     """
 
-    edges: tuple
+    edges: tuple[int, ...]
     segment: int
     x: float
     x_deviation: float
@@ -42,7 +61,7 @@ class Candidate:
     misfit: float
     probability: float
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """For documents; what is not finite is None."""
         numbers = ('x', 'x_deviation', 'residual', 'misfit', 'probability')
         told = {n: getattr(self, n) if np.isfinite(getattr(self, n)) else None for n in numbers}
@@ -51,14 +70,14 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Felt:
-    """kind: 'lying' on the first candidate's edge (surely), 'nothing' in the hand, or 'unknown'; candidates, the most
-    probable first; reason: why unknown; pairs: what the fingers measured.
+    """kind: 'lying' on the first candidate's edge (surely), 'nothing' in the hand, or 'unknown';
+    candidates, the most probable first; reason: why unknown; pairs: what the fingers measured.
     """
 
     kind: str
-    candidates: tuple = ()
+    candidates: tuple[Candidate, ...] = ()
     reason: str = ''
-    pairs: tuple = field(default=(), repr=False)
+    pairs: tuple[Pair, ...] = field(default=(), repr=False)
 
     @property
     def best(self) -> Candidate:
@@ -75,7 +94,7 @@ class Felt:
         others = f', or, alike, {_list(best.edges[1:])}' if len(best.edges) > 1 else ''
         return f'on edge {best.edges[0]}{others}, x = {best.x:+.4f} m'
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """For documents."""
         return {
             'kind': self.kind,
@@ -88,7 +107,7 @@ class Felt:
 class Feeler:
     """What a scenario's object feels like; built once, asked after every probe."""
 
-    def __init__(self, scenario: Scenario):
+    def __init__(self, scenario: Scenario) -> None:
         self.model = SqueezeModel(scenario)
         self.hypotheses = resting_hypotheses(self.model)
         self.classes = alike(self.model, self.hypotheses)
@@ -99,9 +118,11 @@ class Feeler:
         return any(len(members) > 1 for members in self.classes)
 
     def feel(self, probe: Probe, pairs: np.ndarray, interrupted: str = '') -> Felt:
-        """What the pairs (k, 2) [rad], left then right, of a probe of k places say; interrupted: why the probe ended early, if it did."""
+        """What the pairs (k, 2) [rad], left then right, of a probe of k places say; interrupted:
+        why the probe ended early, if it did.
+        """
         pairs = np.asarray(pairs, float).reshape(-1, 2)
-        told = tuple(map(tuple, pairs.tolist()))
+        told = tuple((left, right) for left, right in pairs.tolist())
         if interrupted or len(pairs) != len(probe.places):
             return Felt(UNKNOWN, reason=interrupted or 'the probe was interrupted', pairs=told)
         closing = pairs[:, probe.closing]
@@ -114,38 +135,46 @@ class Feeler:
             return Felt(UNKNOWN, reason=reason, pairs=told)
         return _verdict(self._candidates(probe.held, pairs[both], pairs[-1]), told)
 
-    def _candidates(self, held: int, pairs: np.ndarray, last: np.ndarray) -> tuple:
-        found = []
+    def _candidates(self, held: int, pairs: np.ndarray, last: np.ndarray) -> tuple[Candidate, ...]:
+        """One a class of edges that feel alike, the most probable first; `last` (2,) says x."""
+        found: list[tuple[Fit, tuple[int, ...]]] = []
         for members in self.classes:
-            resting = self.hypotheses[members[0]]
-            prediction = self.model.predict(resting, held, pairs[:, held])
-            likelihood, misfit, residual = _likelihood(
-                prediction, pairs[:, 1 - held], -CLOSING[1 - held]
-            )
-            edges = tuple(self.hypotheses[k].edge for k in members)
-            found.append((likelihood, misfit, residual, edges, resting))
-        found.sort(key=lambda c: -c[0])
-        weights = np.exp(np.array([c[0] for c in found]) - found[0][0])
+            prediction = self.model.predict(self.hypotheses[members[0]], held, pairs[:, held])
+            fit = _fit(prediction, pairs[:, 1 - held], -CLOSING[1 - held])
+            found.append((fit, members))
+        found.sort(key=lambda one: -one[0].likelihood)
+        weights = np.exp([fit.likelihood - found[0][0].likelihood for fit, _ in found])
         weights /= weights.sum()
         return tuple(
-            Candidate(
-                edges, resting.segment, *self._x(resting, held, last), residual, misfit, float(p)
+            self._candidate(
+                fit, members, float(weight), self._x(self.hypotheses[members[0]], held, last)
             )
-            for p, (_, misfit, residual, edges, resting) in zip(weights, found)
+            for weight, (fit, members) in zip(weights, found)
         )
 
-    def _x(self, resting: Resting, held: int, pair: np.ndarray) -> tuple:
-        """(x [m], its standard deviation) where the fingers stand at last: the closing one touches, the held one may not."""
+    def _candidate(
+        self, fit: Fit, members: tuple[int, ...], probability: float, x: tuple[float, float]
+    ) -> Candidate:
+        edges = tuple(self.hypotheses[k].edge for k in members)
+        segment = self.hypotheses[members[0]].segment
+        return Candidate(edges, segment, *x, fit.residual, fit.misfit, probability)
+
+    def _x(self, resting: Resting, held: int, pair: np.ndarray) -> tuple[float, float]:
+        """(x [m], its standard deviation) where the fingers stand at last: the closing one touches,
+        the held one may not.
+        """
         slides = [self.model.slide(resting, side, pair[side]) for side in (1 - held, held)]
         centroids = [float(resting.pose_at(slide)[0]) for slide in slides]
         if np.isnan(centroids).any():
             return next((x for x in centroids if np.isfinite(x)), np.nan), np.nan
-        x = np.mean(centroids) if abs(centroids[1] - centroids[0]) < SAME_PLACE else centroids[0]
-        return float(x), VERTEX_DEVIATION + abs(centroids[1] - centroids[0]) / 2
+        apart = abs(centroids[1] - centroids[0])
+        x = float(np.mean(centroids)) if apart < SAME_PLACE else centroids[0]
+        return x, VERTEX_DEVIATION + apart / 2
 
 
 def squeezed(probe: Probe, pairs: np.ndarray) -> np.ndarray:
-    """(k,) bool: pairs at which both fingers touch: the closing one gave way to the held one's last move.
+    """(k,) bool: pairs at which both fingers touch: the closing one gave way to the held one's last
+    move.
 
     Where it did not, friction may hold the object away from the held finger.
     """
@@ -154,14 +183,15 @@ def squeezed(probe: Probe, pairs: np.ndarray) -> np.ndarray:
     return gave_way > PUSHED
 
 
-def _likelihood(prediction: Prediction, measured: np.ndarray, opening: float) -> tuple:
-    """(log likelihood, χ² for each pair, rms residual [rad]) of the closing finger's angles (k,).
+def _fit(prediction: Prediction, measured: np.ndarray, opening: float) -> Fit:
+    """Of the closing finger's angles measured (k,) [rad].
 
-    opening: sign in which its angle opens. The covariance has the outline's errors, which all pairs share, the zeros of both encoders, and the readings' noise.
+    opening: sign in which its angle opens. The covariance has the outline's errors, which all pairs
+    share, the zeros of both encoders, and the readings' noise.
     """
     residuals, k = measured - prediction.angles, len(measured)
     if not np.isfinite(residuals).all() or not np.isfinite(prediction.by_vertices).all():
-        return -1e9, np.inf, np.inf
+        return NO_FIT
     held = prediction.by_held
     covariance = (
         VERTEX_DEVIATION**2 * prediction.by_vertices @ prediction.by_vertices.T
@@ -171,11 +201,13 @@ def _likelihood(prediction: Prediction, measured: np.ndarray, opening: float) ->
     return _with_gaps(residuals, covariance, opening)
 
 
-def _with_gaps(residuals: np.ndarray, covariance: np.ndarray, opening: float) -> tuple:
-    """The same over all ways in which the object may have lain off the held finger at some of the places, but FEWEST: there
-    the closing finger is more open than predicted, anything up to FURTHEST_APART. χ² and residual are those of the best way.
+def _with_gaps(residuals: np.ndarray, covariance: np.ndarray, opening: float) -> Fit:
+    """The same over all ways in which the object may have lain off the held finger at some of the
+    places, but FEWEST: there the closing finger is more open than predicted, anything up to
+    FURTHEST_APART. χ² and residual are those of the best way.
     """
-    k, best, terms = len(residuals), (-np.inf, np.inf, np.inf), []
+    k, best = len(residuals), Fit(-np.inf, np.inf, np.inf)
+    densities = []
     apart = (opening * residuals > 0.0) & (opening * residuals < FURTHEST_APART)
     apart[-1] = False  # whatever happened before: this is where it lies now
     for off in _subsets(np.flatnonzero(apart), k - FEWEST):
@@ -186,14 +218,15 @@ def _with_gaps(residuals: np.ndarray, covariance: np.ndarray, opening: float) ->
         density = -0.5 * squares - float(np.log(np.diag(factor)).sum())
         density -= 0.5 * len(touching) * np.log(2.0 * np.pi)
         density += len(touching) * np.log(1.0 - APART) + len(off) * np.log(APART / FURTHEST_APART)
-        terms.append(density)
-        if density > best[0]:
+        densities.append(density)
+        if density > best.likelihood:
             rms = float(np.sqrt(np.mean(residuals[touching] ** 2)))
-            best = density, squares / len(touching), rms
-    return float(np.logaddexp.reduce(terms)), best[1], best[2]
+            best = Fit(density, squares / len(touching), rms)
+    return best._replace(likelihood=float(np.logaddexp.reduce(densities)))
 
 
-def _subsets(items: np.ndarray, most: int) -> Iterator[tuple]:
+def _subsets(items: np.ndarray, most: int) -> Iterator[tuple[int, ...]]:
+    """Those with at most so many of the items, the smallest first."""
     for size in range(min(most, len(items)) + 1):
         yield from combinations(items, size)
 
@@ -203,7 +236,7 @@ def fits(candidate: Candidate) -> bool:
     return candidate.misfit <= MISFIT
 
 
-def _verdict(candidates: tuple, pairs: tuple) -> Felt:
+def _verdict(candidates: tuple[Candidate, ...], pairs: tuple[Pair, ...]) -> Felt:
     best = candidates[0]
     if not fits(best):
         off = (
@@ -223,5 +256,5 @@ def _verdict(candidates: tuple, pairs: tuple) -> Felt:
     return Felt(LYING, candidates, '', pairs)
 
 
-def _list(edges: tuple) -> str:
+def _list(edges: tuple[int, ...]) -> str:
     return f'edge {edges[0]}' if len(edges) == 1 else 'edges ' + ', '.join(map(str, edges))

@@ -1,4 +1,4 @@
-"""A trajectory that only holds the fingers where they are: what goes before a probe of what lies in the hand."""
+"""A trajectory that only holds the fingers where they are: it goes before a probe alone."""
 
 import uuid
 
@@ -12,8 +12,9 @@ DURATION, PERIOD = 0.1, 0.01  # [s]
 def hold_trajectory(
     angles: np.ndarray, weights: np.ndarray, pose: np.ndarray, held: int
 ) -> ManipulationTrajectory:
-    """Both fingers at `angles` (2,) [rad], bearing their own weight; weights: (2,) [N m] of level fingers; pose: (3,) of the
-    object, a guess; held: LEFT or RIGHT, the finger that a probe holds afterwards.
+    """Both fingers at `angles` (2,) [rad], bearing their own weight; weights: (2,) [N m] of level
+    fingers; pose: (3,) of the object, a guess; held: LEFT or RIGHT, the finger that a probe holds
+    afterwards.
     """
     rows = int(round(DURATION / PERIOD)) + 1
     angles = np.asarray(angles, float)

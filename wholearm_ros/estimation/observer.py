@@ -3,7 +3,8 @@
 While a trajectory runs, the object is in one of the contact states of this point of the plan. Four
 closed contacts leave one degree of freedom, and two measured angles overdetermine it: they are
 projected on the planned path near the clock, which gives a phase and a residual. At rest and while
-probing, it lies on an edge: the angle of one finger says where, and so where the other one meets it.
+probing, it lies on an edge: the angle of one finger says where, and so where the other one meets
+it.
 """
 
 from dataclasses import dataclass
@@ -81,7 +82,7 @@ class Observer:
     def following(
         self, trajectory: ManipulationTrajectory, elapsed: float, angles: np.ndarray
     ) -> Estimate:
-        """While a trajectory runs, `elapsed` [s] along it: one hypothesis for each contact state."""
+        """While a trajectory runs, `elapsed` [s] along it: one hypothesis a contact state."""
         last = len(trajectory.angles) - 1
         first, end = ((elapsed + d) / trajectory.period for d in (-WINDOW, WINDOW))
         rows = np.arange(max(int(first), 0), min(int(np.ceil(end)), last) + 1)

@@ -1,4 +1,6 @@
-"""Planning of probes: places at which what may lie in the hand is told apart, squeezed so gently that nothing tips."""
+"""Planning of probes: places at which what may lie in the hand is told apart, squeezed so gently
+that nothing tips.
+"""
 
 import numpy as np
 
@@ -22,15 +24,15 @@ OPENED = 0.12  # [rad] that both fingers open before they close
 REACH = 0.35  # [rad] from its closed limit at which the closing finger must have met the object
 STOP_MARGIN = 0.01  # [rad] inside of the closed limit at which a finger is stopped
 TOUCHING = 1e-6  # [m]
-LYING_ANGLE = (
-    0.15  # [rad] from an edge's rotation within which a planned last pose lies on that edge
-)
+# [rad] from an edge's rotation within which a planned last pose lies on that edge.
+LYING_ANGLE = 0.15
 
 
 def tipping_torque(
     model: SqueezeModel, resting: Resting, held: int, slide: float, theta: float, angle: float
 ) -> float:
-    """[N m] of the closing finger, beyond its own weight, above which the squeezed object leaves the palm with a vertex.
+    """[N m] of the closing finger, beyond its own weight, above which the squeezed object leaves
+    the palm with a vertex.
 
     Zero where no torque at all can press it so.
     """
@@ -73,9 +75,11 @@ def tipping_torque(
 
 
 def _sliding_torque(statics: QuasiStatics, contact: int, closing: int, resting: Resting) -> float:
-    """[N m] of the closing finger above which the object tips while it slides ahead of that finger alone, unhindered.
+    """[N m] of the closing finger above which the object tips while it slides ahead of that finger
+    alone, unhindered.
 
-    Newton's law along the palm leaves two equations, across it and of moments, for the two forces of the palm.
+    Newton's law along the palm leaves two equations, across it and of moments, for the two forces
+    of the palm.
     """
     across = np.array([-resting.along[1], resting.along[0]])
     rows = np.vstack([across @ statics.G_n[:2], statics.G_n[2]])  # (2, 4)
@@ -93,13 +97,13 @@ def _sliding_torque(statics: QuasiStatics, contact: int, closing: int, resting: 
 
 
 def plan_probe(
-    model: SqueezeModel, hypotheses: tuple, expected: int, held: int, end: float
+    model: SqueezeModel, hypotheses: tuple[Resting, ...], expected: int, held: int, end: float
 ) -> Probe:
     """The probe for what may lie in the hand.
 
-    hypotheses: (Resting, ...); expected: the place in it of the one believed in, −1 for none; held: the finger that is led;
-    end [rad]: the angle at which that finger stands before and after: nothing moves after the last pair has been read, and
-    the object lies where it lay.
+    expected: the place in `hypotheses` of the one believed in, −1 for none; held: the finger that
+    is led; end [rad]: the angle at which that finger stands before and after: nothing moves after
+    the last pair has been read, and the object lies where it lay.
     """
     end = float(np.clip(end, *(model.world.limits[held] + [STOP_MARGIN, -STOP_MARGIN])))
     low, high = model.world.limits[held]
@@ -117,12 +121,14 @@ def plan_probe(
     else:
         places = np.array([end])
     limits, weights = model.world.limits, model.world.finger_moment
-    stops = [limits[0, 0] + STOP_MARGIN, limits[1, 1] - STOP_MARGIN]
-    return Probe(held, places, (OPENED, OPENED), torque, weights, stops)
+    stops = np.array([limits[0, 0] + STOP_MARGIN, limits[1, 1] - STOP_MARGIN])
+    return Probe(held, places, np.full(2, OPENED), torque, weights, stops)
 
 
-def _tipping_along(model, resting, held, thetas) -> np.ndarray:
-    """(k,) [N m], NaN where such an object is not met."""
+def _tipping_along(
+    model: SqueezeModel, resting: Resting, held: int, thetas: np.ndarray
+) -> np.ndarray:
+    """(k,) [N m] with the held finger at thetas (k,) [rad], NaN where such an object is not met."""
     slides, angles = model.squeeze(resting, held, thetas)
     found = np.full(len(thetas), np.nan)
     shut = model.world.limits[1 - held, 0 if held else 1]
@@ -135,7 +141,9 @@ def _tipping_along(model, resting, held, thetas) -> np.ndarray:
 
 
 def _safe_stretch(tipping: np.ndarray, expected: int, offsets: np.ndarray) -> np.ndarray:
-    """(k,) bool: the stretch round offset 0 in which the expected object, and others that are met, do not tip."""
+    """(k,) bool: the stretch round offset 0 in which the expected object, and others that are met,
+    do not tip.
+    """
     enough = SAFETY * WEAKEST
     others, good = tipping, np.isfinite(tipping).any(axis=0)
     if expected >= 0:
@@ -155,7 +163,9 @@ def _safe_stretch(tipping: np.ndarray, expected: int, offsets: np.ndarray) -> np
 
 
 def probe_after(feeler: Feeler, trajectory: ManipulationTrajectory) -> Probe:
-    """The probe after a trajectory: what is expected is the edge on which its last pose lies, if it lies on one."""
+    """The probe after a trajectory: what is expected is the edge on which its last pose lies, if it
+    lies on one.
+    """
     held = trajectory.segments[-1].velocity_finger
     expected = nearest_resting(feeler.hypotheses, trajectory.poses[-1])
     end = float(trajectory.angles[-1, held])
@@ -163,12 +173,14 @@ def probe_after(feeler: Feeler, trajectory: ManipulationTrajectory) -> Probe:
 
 
 def probe_of_the_unknown(feeler: Feeler, held: int, end: float) -> Probe:
-    """The probe of whatever lies in the hand, the held finger at `end` [rad]: nothing is believed."""
+    """The probe of whatever lies in the hand; end [rad]: where the held finger stands."""
     return plan_probe(feeler.model, feeler.hypotheses, -1, held, end)
 
 
-def nearest_resting(hypotheses: tuple, pose: np.ndarray) -> int:
-    """The place in `hypotheses` of the one in which an object at `pose` (3,) lies, −1 when it lies in none."""
+def nearest_resting(hypotheses: tuple[Resting, ...], pose: np.ndarray) -> int:
+    """The place in `hypotheses` of the one in which an object at `pose` (3,) lies, −1 when it lies
+    in none.
+    """
     off = [
         abs((float(pose[2] - h.pose[2]) + np.pi) % (2.0 * np.pi) - np.pi)
         + (abs(pose[0] - h.pose[0]) > h.reach)

@@ -1,9 +1,12 @@
-"""Squeezes: the finger angles of an object that lies on an edge between a held finger and a closing one."""
+"""Squeezes: the finger angles of an object that lies on an edge between a held finger and one that
+closes.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from wholearm_ros.kernels import squeezing
 from wholearm_ros.mechanics.contacts import pose_on_palm
@@ -20,8 +23,9 @@ ANGLE_STEP = 1e-4  # [rad] the same of the held finger's angle
 class Resting:
     """A way in which the object may lie: on its `edge`, upon the palm's `segment`.
 
-    pose (3,): centroid [m] and rotation [rad] with the centroid above the segment's middle; along (2,): direction in
-    which it slides; reach [m]: how far the centroid may slide to either side and still be over the segment.
+    pose (3,): centroid [m] and rotation [rad] with the centroid above the segment's middle; along
+    (2,): direction in which it slides; reach [m]: how far the centroid may slide to either side and
+    still be over the segment.
     """
 
     edge: int
@@ -37,9 +41,9 @@ class Resting:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Squeezes of one resting object at k angles of the held finger: slides (k,) [m]; angles (k,) [rad] of the closing
-    finger; by_vertices (k, 2n) [rad/m] their derivatives with respect to the outline; by_held (k,) with respect to the
-    held angle. NaN where such an object is not met.
+    """Squeezes of one resting object at k angles of the held finger: slides (k,) [m]; angles (k,)
+    [rad] of the closing finger; by_vertices (k, 2n) [rad/m] their derivatives with respect to the
+    outline; by_held (k,) with respect to the held angle. NaN where such an object is not met.
     """
 
     slides: np.ndarray
@@ -51,7 +55,7 @@ class Prediction:
 class SqueezeModel:
     """The squeezes of a scenario's object, and of outlines near its own."""
 
-    def __init__(self, scenario: Scenario):
+    def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.world = build_world(scenario)
 
@@ -59,12 +63,18 @@ class SqueezeModel:
         """The object on an edge, upon a segment of the palm."""
         return _resting(self.scenario, self.world, edge, segment)
 
-    def squeeze(self, resting: Resting, held: int, thetas) -> tuple:
-        """(slides (k,) [m], angles (k,) [rad] of the closing finger) for the held finger's angles thetas (k,)."""
+    def squeeze(
+        self, resting: Resting, held: int, thetas: ArrayLike
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(slides (k,) [m], angles (k,) [rad] of the closing finger) for the held finger's angles
+        thetas (k,).
+        """
         return _squeeze(self.world, resting, held, thetas)
 
     def slide(self, resting: Resting, side: int, theta: float) -> float:
-        """Slide [m] at which the object touches a finger that stands at `theta`; NaN when it does not."""
+        """Slide [m] at which the object touches a finger that stands at `theta`; NaN when it does
+        not.
+        """
         c, s = np.cos(resting.pose[2]), np.sin(resting.pose[2])
         return float(
             squeezing.resting_slide(
@@ -80,8 +90,8 @@ class SqueezeModel:
             )
         )
 
-    def predict(self, resting: Resting, held: int, thetas) -> Prediction:
-        """The same with derivatives."""
+    def predict(self, resting: Resting, held: int, thetas: ArrayLike) -> Prediction:
+        """`squeeze` with its derivatives."""
         thetas = np.asarray(thetas, float)
         slides, angles = self.squeeze(resting, held, thetas)
         columns = []
@@ -92,7 +102,7 @@ class SqueezeModel:
         return Prediction(slides, angles, np.column_stack(columns), (ahead - angles) / ANGLE_STEP)
 
     @cached_property
-    def _neighbours(self) -> list:
+    def _neighbours(self) -> list[tuple[Scenario, World]]:
         """(scenario, world) with one coordinate of one vertex moved by VERTEX_STEP."""
         vertices = self.scenario.object.polygon.vertices
         moved = []
@@ -116,7 +126,9 @@ def _resting(scenario: Scenario, world: World, edge: int, segment: int) -> Resti
     return Resting(edge, segment, readonly(pose, (3,)), readonly(along, (2,)), length / 2)
 
 
-def _squeeze(world: World, resting: Resting, held: int, thetas) -> tuple:
+def _squeeze(
+    world: World, resting: Resting, held: int, thetas: ArrayLike
+) -> tuple[np.ndarray, np.ndarray]:
     thetas = np.ascontiguousarray(thetas, float)
     slides, angles = np.empty(len(thetas)), np.empty(len(thetas))
     c, s = np.cos(resting.pose[2]), np.sin(resting.pose[2])

@@ -24,6 +24,17 @@ BREAKS = 1e-6  # [m/s²] a contact that separates faster than this breaks
 RATE_STEP = 1e-7  # [s] over which Ṅ is differenced
 
 
+@dataclass(frozen=True)
+class Inputs:
+    """What the fingers are given: torque [N m] of `torque_finger` (LEFT or RIGHT), acceleration θ̈_V
+    [rad/s²] of the other one.
+    """
+
+    torque_finger: int
+    torque: float
+    acceleration: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics:
     """0 ≤ f ⟂ A f + b ≥ 0 for n closed pairs: A = N M⁻¹ Nᵀ (n, n) [1/kg], N (n, 4), b (n,) [m/s²];
@@ -68,29 +79,21 @@ class ForwardDynamicsSolution:
 
 
 def build_forward_dynamics(
-    world: World,
-    pairs: Sequence[int],
-    q: np.ndarray,
-    q_dot: np.ndarray,
-    torque_finger: int,
-    torque: float,
-    velocity_finger_acceleration: float = 0.0,
+    world: World, pairs: Sequence[int], q: np.ndarray, q_dot: np.ndarray, inputs: Inputs
 ) -> ForwardDynamics:
-    """The problem at q, q_dot (5,) for a torque [N m] of the torque finger and θ̈_V [rad/s²] of
-    the other one.
-    """
+    """The problem of these pairs (codes) at q, q_dot (5,)."""
     rows, _ = contact_rows(world, pairs, q)
     ahead, _ = contact_rows(world, pairs, q + RATE_STEP * q_dot)
-    driven = 4 - torque_finger
-    moving = np.array([0, 1, 2, 3 + torque_finger])
+    driven, turned = 4 - inputs.torque_finger, 3 + inputs.torque_finger
+    moving = np.array([0, 1, 2, turned])
     load = np.empty(5)
     statics.load_at(world.load, world.finger_moment, q, load)
     force = -load
-    force[3 + torque_finger] += torque
+    force[turned] += inputs.torque
     free = (force / world.inertias)[moving]
     N = np.ascontiguousarray(rows[:, moving])
     scale = 1.0 / np.sqrt(world.inertias[moving])
-    bias = rows[:, driven] * velocity_finger_acceleration + (ahead - rows) @ q_dot / RATE_STEP
+    bias = rows[:, driven] * inputs.acceleration + (ahead - rows) @ q_dot / RATE_STEP
     return ForwardDynamics(N, N @ free + bias, free, scale, tuple(pairs))
 
 

@@ -1,7 +1,6 @@
 """The closed loop without ROS: the same mode switch and controllers as the nodes, on a stand-in."""
 
 from dataclasses import dataclass, field
-from typing import Optional
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from wholearm_ros.control.setpoints import (
     TorqueSetpoint,
     VelocitySetpoint,
 )
+from wholearm_ros.kernels.control_law import ControlLaw
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.hand import Hand
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
@@ -24,6 +24,18 @@ from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.simulation.hand import HandBackend
+
+
+@dataclass(frozen=True)
+class LoopOptions:
+    """rate [Hz]: of control and physics; settle [s]: how long the end is held, also after a stop;
+    view: whether PyBullet shows its window.
+    """
+
+    rate: float = 1000.0
+    controls: ControlOptions = ControlOptions()
+    settle: float = 0.5
+    view: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,65 +76,47 @@ def run(
     scenario: Scenario,
     trajectory: ManipulationTrajectory,
     backend: str = DEFAULT_BACKEND,
-    rate: float = 1000.0,
-    perturbation: Optional[Perturbation] = None,
-    seed: int = 0,
-    controls: ControlOptions = ControlOptions(),
-    settle: float = 0.5,
-    view: bool = False,
-    probe: Optional[Probe] = None,
+    perturbation: Perturbation = NOMINAL,
+    loop: LoopOptions = LoopOptions(),
+    probe: Probe | None = None,
 ) -> RunRecord:
-    """Execute `trajectory`, then hold its end for `settle` [s], also after a stop.
+    """Execute `trajectory`, then hold its end.
 
     The object is set down where the perturbed scenario's start says, the fingers closed on it.
-    scenario: as told to the planner; rate [Hz]: of the control loop; perturbation: what is truly
-    different; seed: of the encoder noise, added to the perturbation's own; probe: the motion that
+    scenario: as told to the planner; perturbation: what is truly different; probe: the motion that
     then feels where the object lies. Raises HardwareError when the backend is not there.
     """
-    perturbation = perturbation or NOMINAL
-    hand = make_hand(
-        backend, scenario, rate=rate, perturbation=perturbation.reseeded(seed), view=view
-    )
+    hand = make_hand(backend, scenario, loop.rate, perturbation, loop.view)
     try:
         hand.reset(perturbed_start(scenario, hand.scenario))
-        steps = int(np.ceil((controls.ramp + trajectory.duration + settle) * rate))
-        execution = Execution(trajectory, controls, settle, probe)
-        return lead(hand, execution, controls, steps, perturbation)
+        execution = Execution(trajectory, loop.controls, loop.settle, probe)
+        return lead(hand, execution, loop, perturbation)
     finally:
         hand.disconnect()
 
 
 def commanded_efforts(
-    hand: Hand,
-    controls: ControlOptions,
-    motion: VelocitySetpoint,
-    torque: TorqueSetpoint,
-    joints: Joints,
-    previous: np.ndarray,
-    dt: float,
+    hand: Hand, law: ControlLaw, motion: VelocitySetpoint, torque: TorqueSetpoint, joints: Joints
 ) -> np.ndarray:
     """(2,) [N m]: both controllers' answer to both setpoints.
 
-    previous: (2,) [N m] the efforts of the period before; dt [s]: that period.
+    joints: as measured, with the efforts of the period before.
     """
     efforts = np.empty(2)
     v, t = motion.joint, torque.joint
-    efforts[v] = velocity_effort(
-        controls.gains, hand[v], motion, joints.angles[v], joints.velocities[v]
-    )
-    efforts[t] = torque_effort(hand[t], torque, previous[t], controls.slew_limit, dt)
+    efforts[v] = velocity_effort(law.gains, hand[v], motion, joints.angles[v], joints.velocities[v])
+    efforts[t] = torque_effort(hand[t], torque, joints.efforts[t], law.slew_limit, law.period)
     return efforts
 
 
 def lead(
-    hand: HandBackend,
-    execution: Execution,
-    controls: ControlOptions,
-    steps: int,
-    perturbation: Perturbation,
+    hand: HandBackend, execution: Execution, loop: LoopOptions, perturbation: Perturbation
 ) -> RunRecord:
-    """The execution on a hand as it is: `steps` periods, and until its probe is over."""
-    fingers = hand.scenario.hand
+    """The execution on a hand as it is, to the end of its settling, and until its probe is over."""
+    controls, fingers = loop.controls, hand.scenario.hand
+    law = controls.law(hand.period)
+    seconds = controls.ramp + execution.trajectory.duration + loop.settle
+    steps = int(np.ceil(seconds * loop.rate))
     rows: list[np.ndarray] = []
     modes: list[str] = []
     previous = hand.efforts().copy()
@@ -130,9 +124,7 @@ def lead(
     while len(rows) < steps or (probing and not execution.over and not execution.reason):
         joints = Joints(hand.time, *hand.joints(), previous)
         motion, torque = execution.step(hand.time, joints)
-        previous = commanded_efforts(
-            fingers, controls, motion, torque, joints, previous, hand.period
-        )
+        previous = commanded_efforts(fingers, law, motion, torque, joints)
         truth = (hand.object_pose(), hand.object_velocity())
         rows.append(np.hstack([hand.time, joints.angles, joints.velocities, previous, *truth]))
         modes.append(execution.shown)

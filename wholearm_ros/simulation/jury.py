@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.mechanics.contacts import gap_table, pair_name
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.backends import installed_backends
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.simulation.closed_loop import RunRecord, run
+from wholearm_ros.simulation.closed_loop import LoopOptions, RunRecord, run
 from wholearm_ros.simulation.outcome import Outcome, outcome
 
 TOUCHING = 2e-4  # [m] a pair with a smaller gap touches; PyBullet rounds corners by 0.1 mm
@@ -123,24 +122,16 @@ def hear(
     scenario: Scenario,
     trajectory: ManipulationTrajectory,
     perturbation: Perturbation,
-    rate: float = 1000.0,
-    controls: ControlOptions = ControlOptions(),
+    loop: LoopOptions = LoopOptions(),
     engines: tuple[str, ...] | None = None,
 ) -> Verdict:
     """Execute `trajectory` in every engine (default: all that are installed).
 
-    rate [Hz]: of the control loop. Raises HardwareError when an engine is not installed.
+    Raises HardwareError when an engine is not installed.
     """
     testimonies = []
     for engine in engines or installed_backends():
-        record = run(
-            scenario,
-            trajectory,
-            backend=engine,
-            rate=rate,
-            perturbation=perturbation,
-            controls=controls,
-        )
+        record = run(scenario, trajectory, engine, perturbation, loop)
         testimonies.append(testify(engine, scenario, record))
     return Verdict(tuple(testimonies), disagreements(testimonies))
 

@@ -44,7 +44,6 @@ def execute(
     options: SuiteOptions,
     draw: int = 0,
     name: str = '',
-    view: bool = False,
 ) -> JudgedRun:
     """Run the leg `first` under perturbation number `draw` of the task `name`, feel, and go on.
 
@@ -54,10 +53,9 @@ def execute(
     """
     perturbation = drawn_perturbation(scenario, options, draw, name)
     if options.backend == JURY and first is not None:
-        told = first.scenario
-        verdict = hear(told, first.trajectory, perturbation, options.rate, options.controls)
+        verdict = hear(first.scenario, first.trajectory, perturbation, options.loop)
         return _of_jury(scenario, verdict, perturbation)
-    with HandSession(scenario, perturbation, options, view=view) as session:
+    with HandSession(scenario, perturbation, options) as session:
         attempts = session.pursue(scenario, leg_planner(scenario, first, options))
     judged = outcome(scenario, attempts.last)
     return JudgedRun(scenario, attempts.motions[0].record, judged, perturbation, attempts)

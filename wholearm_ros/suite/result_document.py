@@ -30,7 +30,7 @@ def suite_document(
         'time_budget': options.request.time_budget,
         'min_success': options.request.min_success,
         'backend': options.backend,
-        'rate': options.rate,
+        'rate': options.loop.rate,
         'summary': summary,
         'tasks': [{**r, 'scenario': task.scenario} for task, r in zip(tasks, results)],
     }

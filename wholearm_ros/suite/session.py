@@ -26,17 +26,15 @@ from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.suite.attempts import Attempts, Motion
 from wholearm_ros.suite.suite_options import SuiteOptions
 
-SETTLE = 0.5  # [s] of holding before the probe
-
 Plan = Callable[[Scenario], Leg | None]
 
 
 class HandSession:
     """One hand with an object in it.
 
-    options: of the hand, the control, and whether each end is felt; feeler: of the object, built
-    when not given; start: (5,) where hand and object truly are, when that is not where the
-    perturbed scenario says. Raises HardwareError when the backend is not installed.
+    options: of the hand, the control, and whether each end is felt; without a probe an outcome is
+    'unverified'; start: (5,) where hand and object truly are, when that is not where the perturbed
+    scenario says. Raises HardwareError when the backend is not there.
     """
 
     def __init__(
@@ -44,17 +42,14 @@ class HandSession:
         scenario: Scenario,
         perturbation: Perturbation,
         options: SuiteOptions,
-        feeler: Feeler | None = None,
-        view: bool = False,
         start: np.ndarray | None = None,
     ) -> None:
         self.perturbation, self.options = perturbation, options
-        self.feeler = feeler or Feeler(scenario)
+        self.feeler = Feeler(scenario)
         self.motions: list[Motion] = []
         self.tracked = False
-        self.hand = make_hand(
-            options.backend, scenario, rate=options.rate, perturbation=perturbation, view=view
-        )
+        loop = options.loop
+        self.hand = make_hand(options.backend, scenario, loop.rate, perturbation, loop.view)
         self.hand.reset(perturbed_start(scenario, self.hand.scenario) if start is None else start)
 
     def __enter__(self) -> 'HandSession':
@@ -102,7 +97,7 @@ class HandSession:
             asked = scenario if not done else _from(scenario, start, face)
             done.append(self.pursue(asked, plan))
             felt = self.motions[-1].claim.felt if self.motions else None
-            if done[-1].outcome in (LOST, UNKNOWN) or (self.motions and felt is None):
+            if done[-1].motions and (felt is None or done[-1].outcome in (LOST, UNKNOWN)):
                 break
             if felt is not None:
                 start = StartOnEdge(felt.best.edges[0], felt.best.x)
@@ -127,13 +122,11 @@ class HandSession:
         probe: Probe | None = None,
     ) -> Claim:
         """A trajectory, and what the probe after it says of the goal of `scenario`."""
-        controls = self.options.controls
         if self.options.probe:
             probe = probe or probe_after(self.feeler, trajectory)
-        seconds = controls.ramp + trajectory.duration + SETTLE
-        execution = Execution(trajectory, controls, SETTLE, probe)
-        steps = int(np.ceil(seconds / self.hand.period))
-        record = lead(self.hand, execution, controls, steps, self.perturbation)
+        loop = self.options.loop
+        execution = Execution(trajectory, loop.controls, loop.settle, probe)
+        record = lead(self.hand, execution, loop, self.perturbation)
         if planned:
             self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
         said = self._claim(record, probe, scenario)

@@ -1,10 +1,10 @@
 """How the tasks of a suite are planned and executed."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.simulation.closed_loop import LoopOptions
 
 
 @dataclass(frozen=True)
@@ -12,8 +12,8 @@ class SuiteOptions:
     """Options of planning, of the perturbations and of the simulated hand.
 
     request: how every task is planned; perturb: level of the perturbations, 0 for none; draws:
-    perturbed runs of each plan; backend (or JURY), rate [Hz]: of the hand; attempts: trajectories
-    at most in each run; probe: whether the end of each is felt; the jury does neither;
+    perturbed runs of each plan; backend (or JURY) and loop: of the simulated hand; attempts:
+    trajectories at most in each run; probe: whether the end of each is felt; the jury does neither;
     maps: whether goals without a direction are looked up in the object's map, if one was made.
     """
 
@@ -21,8 +21,7 @@ class SuiteOptions:
     perturb: float = 0.0
     draws: int = 1
     backend: str = DEFAULT_BACKEND
-    rate: float = 1000.0
-    controls: ControlOptions = field(default_factory=ControlOptions)
+    loop: LoopOptions = LoopOptions()
     attempts: int = 1
     probe: bool = True
     maps: bool = True

@@ -9,7 +9,11 @@ import numpy as np
 
 from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.contacts import pair_from_name, pair_name
-from wholearm_ros.mechanics.forward_dynamics import build_forward_dynamics, solve_forward_dynamics
+from wholearm_ros.mechanics.forward_dynamics import (
+    Inputs,
+    build_forward_dynamics,
+    solve_forward_dynamics,
+)
 from wholearm_ros.model.configuration import SIZE, joint_index
 from wholearm_ros.model.trajectory import QUASI_STATIC
 from wholearm_ros.trajectory.control_mode import control_mode
@@ -98,11 +102,9 @@ def check_dyn(
         tuple(map(pair_from_name, names)) for names in (transition.before, transition.after)
     )
     pairs = tuple(sorted({*before, *after}))
-    solution = solve_forward_dynamics(
-        build_forward_dynamics(
-            world, pairs, q, np.zeros(SIZE), torque_finger, torque, direction * SETTING_OUT
-        )
-    )
+    inputs = Inputs(torque_finger, torque, direction * SETTING_OUT)
+    problem = build_forward_dynamics(world, pairs, q, np.zeros(SIZE), inputs)
+    solution = solve_forward_dynamics(problem)
     breaking = set(solution.breaking())
     return set(before) - set(after) <= breaking and not breaking & set(after)
 
