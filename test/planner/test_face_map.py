@@ -83,7 +83,7 @@ def test_the_next_faces_are_the_neighbours_and_every_turn_is_asked_for_once():
 
 def test_a_map_is_made_kept_and_answers(tmp_path):
     options = replace(OPTIONS, half_range=0.0)
-    store = MapStore(SCENARIO, options, tmp_path)
+    store = MapStore(SCENARIO, tmp_path)
     assert store.load().ways == ()
     turn = next(s for s in turns_to_try(SCENARIO, options) if (s.start.edge, s.goal.edge) == (0, 1))
     made = make_way(turn, options)
@@ -100,7 +100,8 @@ def test_a_map_is_made_kept_and_answers(tmp_path):
     document = face_map.to_dict('hexagon')
     assert document['format'] == 'wholearm-map/1' and document['edges'][0]['to']['edge'] == 1
     slides = slides_to_try(SCENARIO, replace(OPTIONS, half_range=0.01), face_map.ways)
-    assert {(s.start.edge, s.goal.edge, s.goal.x) for s in slides} == {(0, 0, 0.0)}
+    asked = {(s.start.edge, s.start.x, s.goal.x) for s in slides}
+    assert asked == {(0, -0.01, 0.0), (0, 0.01, 0.0)}
 
     felt = replace(SCENARIO, start=StartOnEdge(0, 0.004), goal=GoalOnEdge(1))
     answer = plan_leg(felt, PlanRequest(), face_map)
@@ -111,6 +112,6 @@ def test_a_map_is_made_kept_and_answers(tmp_path):
 
 def test_the_map_of_another_object_is_another_one(tmp_path):
     other = replace(SCENARIO, object=replace(SCENARIO.object, mass=0.3))
-    here, there = (MapStore(s, OPTIONS, tmp_path).directory for s in (SCENARIO, other))
+    here, there = (MapStore(s, tmp_path).directory for s in (SCENARIO, other))
     moved = replace(SCENARIO, start=StartOnEdge(1, 0.0), goal=GoalOnEdge(3))
-    assert here != there and MapStore(moved, OPTIONS, tmp_path).directory == here
+    assert here != there and MapStore(moved, tmp_path).directory == here

@@ -63,7 +63,7 @@ def map(
     options = MapOptions(
         PlanRequest(time_budget=time_budget, seed=seed), half_range, step, 0.6 * step
     )
-    store = MapStore(told, options)
+    store = MapStore(told)
     workers = jobs or os.cpu_count() or 1
     _make('turns', turns_to_try(told, options), store, options, workers)
     found = store.load()

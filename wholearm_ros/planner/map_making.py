@@ -13,6 +13,8 @@ from wholearm_ros.planner.face_map import FaceMap, Way
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 
+TARGETS = 2  # places to which a slide for turns of one direction is tried
+
 
 @dataclass(frozen=True)
 class MapOptions:
@@ -21,7 +23,7 @@ class MapOptions:
     than half a step, so that a felt x is within reach of one.
     """
 
-    request: PlanRequest = PlanRequest(time_budget=20.0)
+    request: PlanRequest = PlanRequest(time_budget=60.0)
     half_range: float = 0.03
     step: float = 0.01
     reach: float = 0.006
@@ -76,21 +78,35 @@ def turns_to_try(scenario: Scenario, options: MapOptions) -> list[Scenario]:
 
 
 def slides_to_try(scenario: Scenario, options: MapOptions, ways: Iterable[Way]) -> list[Scenario]:
-    """On every face, from every place to those from which it can be turned."""
-    ways = list(ways)
-    found = []
+    """On every face, from every place where no turn of a direction begins to the surest places
+    where one does: from the places of the options, and from where turns onto that face end.
+    """
+    turns = [way for way in ways if way.goal.direction]
+    found: dict[tuple[int, float, float], Scenario] = {}
     for face in faces_of(scenario.object.polygon):
-        useful = sorted(
-            {way.start.x for way in ways if way.start.edge == face and way.goal.direction}
-        )
-        for x in options.places:
-            for to in useful:
-                if x == to:
+        starts = _places_on(face, options, turns)
+        for direction in (CCW, CW):
+            here = [w for w in turns if (w.start.edge, w.goal.direction) == (face, direction)]
+            surest = sorted(here, key=lambda w: (-w.certificate.lower_bound, abs(w.start.x)))
+            for x in starts:
+                if any(way.begins_at(StartOnEdge(face, x)) for way in here):
                     continue
-                goal = GoalOnEdge(face, None, to, 2.0 * options.reach)
-                asked = _between(scenario, StartOnEdge(face, x), goal)
-                found += [asked] if asked else []
-    return found
+                for way in surest[:TARGETS]:
+                    goal = GoalOnEdge(face, None, way.start.x, 2.0 * options.reach)
+                    asked = _between(scenario, StartOnEdge(face, x), goal)
+                    if asked is not None:
+                        found[face, x, way.start.x] = asked
+    return list(found.values())
+
+
+def _places_on(face: int, options: MapOptions, turns: Iterable[Way]) -> list[float]:
+    """The places of the options and, out of their reach, those where turns onto the face end."""
+    places = list(options.places)
+    for way in turns:
+        x = way.end.x
+        if way.end.edge == face and all(abs(x - place) > options.reach for place in places):
+            places.append(x)
+    return places
 
 
 def make_way(scenario: Scenario, options: MapOptions) -> Way | Refused:

@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator
-from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from wholearm_ros.model.plan import TIME_SPENT, ContactPlan
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.face_map import FaceMap, Way
-from wholearm_ros.planner.map_making import MapOptions, Refused, build_map
+from wholearm_ros.planner.map_making import Refused, build_map
 
 DIRECTORY = 'WHOLEARM_MAPS'  # environment variable: where maps are kept
 
@@ -28,13 +27,11 @@ def maps_directory() -> Path:
 
 
 class MapStore:
-    """The map of one object in one hand, made with `options`."""
+    """The map of one object in one hand: what was tried, with whatever options."""
 
-    def __init__(
-        self, scenario: Scenario, options: MapOptions = MapOptions(), maps: Path | None = None
-    ) -> None:
+    def __init__(self, scenario: Scenario, maps: Path | None = None) -> None:
         self.scenario = scenario
-        self.directory = (maps or maps_directory()) / _key(scenario, options)
+        self.directory = (maps or maps_directory()) / _key(scenario)
 
     def load(self) -> FaceMap:
         """The map as far as it is made."""
@@ -100,10 +97,10 @@ def _read(document: dict[str, Any]) -> Way | Refused:
     return Way(start, document['reach'], goal, end, plan)
 
 
-def _key(scenario: Scenario, options: MapOptions) -> str:
-    """Hash of all that a map depends on: object, hand, palm, gravity, options, this version."""
+def _key(scenario: Scenario) -> str:
+    """Hash of all that a map depends on: object, hand, palm, gravity, this version."""
     told = scenario_to_dict(scenario)
     depends = {key: told[key] for key in ('object', 'hand', 'palm', 'gravity')}
-    depends |= {'options': asdict(options), 'version': version('wholearm_ros')}
+    depends['version'] = version('wholearm_ros')
     text = json.dumps(depends, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
