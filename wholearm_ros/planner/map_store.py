@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -97,10 +97,17 @@ def _read(document: dict[str, Any]) -> Way | Refused:
     return Way(start, document['reach'], goal, end, plan)
 
 
+def _version() -> str:
+    try:
+        return version('wholearm_ros')
+    except PackageNotFoundError:  # a source tree
+        return ''
+
+
 def _key(scenario: Scenario) -> str:
     """Hash of all that a map depends on: object, hand, palm, gravity, this version."""
     told = scenario_to_dict(scenario)
     depends = {key: told[key] for key in ('object', 'hand', 'palm', 'gravity')}
-    depends['version'] = version('wholearm_ros')
+    depends['version'] = _version()
     text = json.dumps(depends, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
