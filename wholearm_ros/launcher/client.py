@@ -203,7 +203,7 @@ class Client:
         self._goal.publish(goal_message(goal, stamp))
 
     def reorient(self) -> str:
-        """Asks the supervisor for its scenario's goal, attempt after attempt; returns the goal's id."""
+        """Asks the supervisor for its scenario's goal, attempt after attempt; the goal's id."""
         goal, stamp = uuid.uuid4(), self._now()
         self.latest.reorientation, self.latest.reached = {}, {}
         self._reorient_id, self._request_stamp = str(goal), str(to_nanoseconds(stamp))
