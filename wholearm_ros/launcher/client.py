@@ -1,23 +1,31 @@
-"""A client of the graph: plans, sends the goal, follows it, and judges the object's final pose by the truth."""
+"""A client of the graph: sends goals, follows them, and listens to the object's true pose."""
 
 import time
 import uuid
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
 import numpy as np
 import rclpy
+from action_msgs.msg import GoalInfo
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_msgs.msg import String
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
 from wholearm_ros.ros.interface.messages import (
     FEEL_GOAL,
-    NANOSECONDS,
     NO_GOAL,
     goal_message,
     to_goal_id,
@@ -28,6 +36,7 @@ from wholearm_ros.ros.interface.messages import (
 from wholearm_ros.ros.interface.transport import choose_transport
 
 AFTER_THE_END = 2.0  # [s] in which a pose after the end of a run is waited for
+Values = dict[str, str]  # of a DiagnosticStatus
 
 
 class GraphError(WholeArmError):
@@ -36,28 +45,35 @@ class GraphError(WholeArmError):
 
 @dataclass
 class LatestMessages:
-    """The newest of each kind of message."""
+    """The newest of each kind of message; empty, or None, before the first one.
 
-    plan: ContactPlan = None
-    planner: dict = field(default_factory=dict)
-    trajectory: ManipulationTrajectory = None
+    progress: of the mode switcher; feedback, result: of the generator; reorientation, reached:
+    feedback and result of the supervisor; poses: stamp [ns] → (3,) [m, m, rad], all of them.
+    """
+
+    plan: ContactPlan | None = None
+    planner: Values = field(default_factory=dict)
+    trajectory: ManipulationTrajectory | None = None
     mode: str = ''
-    progress: dict = field(default_factory=dict)  # of the mode switcher
-    feedback: dict = field(default_factory=dict)
-    result: dict = field(default_factory=dict)
+    progress: Values = field(default_factory=dict)
+    feedback: Values = field(default_factory=dict)
+    result: Values = field(default_factory=dict)
     result_message: str = ''
-    reorientation: dict = field(default_factory=dict)  # feedback of the supervisor
-    reached: dict = field(default_factory=dict)  # its result
+    reorientation: Values = field(default_factory=dict)
+    reached: Values = field(default_factory=dict)
     reached_message: str = ''
-    poses: dict = field(default_factory=dict)  # stamp [ns] → (3,)
+    poses: dict[int, np.ndarray] = field(default_factory=dict)
 
 
 class Client:
     """Spins only while it waits; `watch` is called meanwhile and may raise."""
 
     def __init__(
-        self, watch=lambda: None, name: str = 'wholearm_client', namespace: str = channels.NAMESPACE
-    ):
+        self,
+        watch: Callable[[], None] = lambda: None,
+        name: str = 'wholearm_client',
+        namespace: str = channels.NAMESPACE,
+    ) -> None:
         self.latest, self.watch, self._request_stamp = LatestMessages(), watch, ''
         self._reorient_id = ''
         choose_transport()
@@ -70,23 +86,11 @@ class Client:
         )
         self.executor = EventsExecutor(context=self.context)
         self.executor.add_node(self.node)
-        self._goal = self.node.create_publisher(
-            channels.GOAL.type, channels.GOAL.name, channels.GOAL.qos
-        )
-        self._cancel = self.node.create_publisher(
-            channels.CANCEL.type, channels.CANCEL.name, channels.CANCEL.qos
-        )
-        self._reorient = self.node.create_publisher(
-            channels.REORIENTATION_GOAL.type,
-            channels.REORIENTATION_GOAL.name,
-            channels.REORIENTATION_GOAL.qos,
-        )
-        self._cancel_reorientation = self.node.create_publisher(
-            channels.REORIENTATION_CANCEL.type,
-            channels.REORIENTATION_CANCEL.name,
-            channels.REORIENTATION_CANCEL.qos,
-        )
-        for topic, hear in (
+        self._goal = self._publisher(channels.GOAL)
+        self._cancel = self._publisher(channels.CANCEL)
+        self._reorient = self._publisher(channels.REORIENTATION_GOAL)
+        self._cancel_reorientation = self._publisher(channels.REORIENTATION_CANCEL)
+        heard: tuple[tuple[channels.Topic, Callable[[Any], None]], ...] = (
             (channels.CONTACT_PLAN, self._on_plan),
             (channels.PLANNER_STATUS, self._on_planner),
             (channels.MANIPULATION_TRAJECTORY, self._on_trajectory),
@@ -96,22 +100,29 @@ class Client:
             (channels.RESULT, self._on_result),
             (channels.REORIENTATION_FEEDBACK, self._on_reorientation),
             (channels.REORIENTATION_RESULT, self._on_reached),
-        ):
+        )
+        for topic, hear in heard:
             self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
         deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.node.create_subscription(
             channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, _guarded(self._on_pose), deep
         )
 
-    def close(self):
+    def _publisher(self, topic: channels.Topic) -> Publisher:
+        return self.node.create_publisher(topic.type, topic.name, topic.qos)
+
+    def _now(self) -> Time:
+        return self.node.get_clock().now().to_msg()
+
+    def close(self) -> None:
         """With its participant, which would live on beside that of this process's next client."""
         self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
         self.context.destroy()
 
-    def wait(self, condition, seconds: float, what: str):
-        """Spins until `condition()`; raises GraphError after `seconds`."""
+    def wait(self, condition: Callable[[], object], seconds: float, what: str) -> None:
+        """Spins until `condition()` is true; raises GraphError, naming `what`, after `seconds`."""
         deadline = time.monotonic() + seconds
         while not condition():
             if time.monotonic() > deadline:
@@ -119,8 +130,10 @@ class Client:
             self.executor.spin_once(timeout_sec=0.05)
             self.watch()
 
-    def wait_for_graph(self, seconds: float):
-        """Until every channel of the closed loop has both its ends."""
+    def wait_for_graph(self, seconds: float) -> None:
+        """Until every channel of the closed loop has both its ends; raises GraphError after
+        `seconds` each.
+        """
         services = {
             s.name: self.node.create_client(s.type, s.name)
             for s in (channels.PLAN_SCENARIO, channels.STOP, channels.RESET)
@@ -144,20 +157,31 @@ class Client:
             ),
         )
 
-    def wait_for_publishers(self, seconds: float, least: Iterable[tuple[channels.Topic, int]]):
+    def wait_for_publishers(
+        self, seconds: float, least: Iterable[tuple[channels.Topic, int]]
+    ) -> None:
         """Until every topic has at least so many; raises GraphError after `seconds` each."""
         self._wait_for(self.node.count_publishers, seconds, least)
 
-    def wait_for_subscribers(self, seconds: float, least: Iterable[tuple[channels.Topic, int]]):
+    def wait_for_subscribers(
+        self, seconds: float, least: Iterable[tuple[channels.Topic, int]]
+    ) -> None:
         """Until every topic has at least so many; raises GraphError after `seconds` each."""
         self._wait_for(self.node.count_subscribers, seconds, least)
 
-    def _wait_for(self, count, seconds, least):
+    def _wait_for(
+        self,
+        count: Callable[[str], int],
+        seconds: float,
+        least: Iterable[tuple[channels.Topic, int]],
+    ) -> None:
         for topic, number in least:
-            self.wait(lambda: count(topic.name) >= number, seconds, f'topic {topic.name}')
+            self.wait(partial(_at_least, count, topic.name, number), seconds, f'topic {topic.name}')
 
-    def call(self, service: channels.Service, seconds: float, request=None):
-        """The response of `service`."""
+    def call(self, service: channels.Service, seconds: float, request: Any = None) -> Any:
+        """The response of `service` to `request`, an empty one by default; raises GraphError after
+        `seconds`.
+        """
         client = self.node.create_client(service.type, service.name)
         self.wait(client.service_is_ready, seconds, f'service {service.name}')
         future = client.call_async(request or service.type.Request())
@@ -165,39 +189,45 @@ class Client:
         self.node.destroy_client(client)
         return future.result()
 
-    def send_goal(self, plan_id: str):
-        self.latest.result, stamp = {}, self.node.get_clock().now().to_msg()
-        self._request_stamp = str(to_nanoseconds(stamp))
-        self._goal.publish(goal_message(to_goal_id(plan_id), stamp))
+    def send_goal(self, plan_id: str) -> None:
+        """Asks the generator to execute a plan; raises MessageError when it is not a UUID."""
+        self._send(to_goal_id(plan_id))
 
     def feel(self) -> None:
         """Asks the generator what lies in the hand; its result says so."""
-        self.latest.result, stamp = {}, self.node.get_clock().now().to_msg()
+        self._send(FEEL_GOAL)
+
+    def _send(self, goal: bytes) -> None:
+        self.latest.result, stamp = {}, self._now()
         self._request_stamp = str(to_nanoseconds(stamp))
-        self._goal.publish(goal_message(FEEL_GOAL, stamp))
+        self._goal.publish(goal_message(goal, stamp))
 
     def reorient(self) -> str:
-        """Asks the supervisor for the goal of its scenario, attempt after attempt; the goal's id."""
-        goal, stamp = uuid.uuid4(), self.node.get_clock().now().to_msg()
+        """Asks the supervisor for its scenario's goal, attempt after attempt; the goal's id."""
+        goal, stamp = uuid.uuid4(), self._now()
         self.latest.reorientation, self.latest.reached = {}, {}
         self._reorient_id, self._request_stamp = str(goal), str(to_nanoseconds(stamp))
         self._reorient.publish(goal_message(goal.bytes, stamp))
         return self._reorient_id
 
-    def cancel_reorientation(self):
+    def cancel_reorientation(self) -> None:
         """Whatever the supervisor is doing."""
-        self._cancel_reorientation.publish(
-            goal_message(NO_GOAL, self.node.get_clock().now().to_msg())
-        )
+        self._cancel_reorientation.publish(self._whatever_runs())
 
-    def cancel(self):
-        self._cancel.publish(goal_message(NO_GOAL, self.node.get_clock().now().to_msg()))
+    def cancel(self) -> None:
+        """Whatever the generator is doing."""
+        self._cancel.publish(self._whatever_runs())
 
-    def final_poses(self, stamp: int, seconds: float):
-        """(m,) [s] and (m, 3): the object's poses up to the first one after `stamp` [ns], or at it.
+    def _whatever_runs(self) -> GoalInfo:
+        return goal_message(NO_GOAL, self._now())
 
-        The one after it is waited for a little: in lockstep, where time stands still after a run, it
-        is always the same one, while one at `stamp` comes only if the hardware had to wait there.
+    def final_poses(self, stamp: int, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+        """(m,) [s] and (m, 3) [m, m, rad]: the object's poses up to the first one after `stamp`
+        [ns], or at it.
+
+        The one after it is waited for a little: in lockstep, where time stands still after a run,
+        it is always the same one, while one at `stamp` comes only if the hardware had to wait
+        there. Raises GraphError when there is none for `seconds`.
         """
         poses, until = self.latest.poses, time.monotonic() + AFTER_THE_END
         self.wait(lambda: poses and max(poses) >= stamp, seconds, 'object_pose')
@@ -208,49 +238,52 @@ class Client:
         stamps = [s for s in stamps if s <= last]
         return np.array(stamps) / NANOSECONDS, np.array([poses[s] for s in stamps])
 
-    def _on_plan(self, message):
+    def _on_plan(self, message: String) -> None:
         self.latest.plan = ContactPlan.from_json(message.data)
 
-    def _on_planner(self, message):
+    def _on_planner(self, message: DiagnosticStatus) -> None:
         self.latest.planner = {'message': message.message, **values_of(message)}
 
-    def _on_trajectory(self, message):
+    def _on_trajectory(self, message: String) -> None:
         self.latest.trajectory = ManipulationTrajectory.from_json(message.data)
 
-    def _on_mode(self, message):
+    def _on_mode(self, message: String) -> None:
         self.latest.mode = message.data
 
-    def _on_progress(self, message):
+    def _on_progress(self, message: DiagnosticStatus) -> None:
         self.latest.progress = values_of(message)
 
-    def _on_feedback(self, message):
+    def _on_feedback(self, message: DiagnosticStatus) -> None:
         self.latest.feedback = values_of(message)
 
-    def _on_result(self, message):
+    def _on_result(self, message: DiagnosticStatus) -> None:
         values = values_of(message)
-        if (
-            values.get('request_stamp', self._request_stamp) == self._request_stamp
-        ):  # not another client's rejection
+        # A rejection names its request, which may be another client's.
+        if values.get('request_stamp', self._request_stamp) == self._request_stamp:
             self.latest.result, self.latest.result_message = values, message.message
 
-    def _on_reorientation(self, message):
+    def _on_reorientation(self, message: DiagnosticStatus) -> None:
         values = values_of(message)
         if values.get('goal_id') == self._reorient_id:
             self.latest.reorientation = values
 
-    def _on_reached(self, message):
+    def _on_reached(self, message: DiagnosticStatus) -> None:
         values = values_of(message)
         if values.get('goal_id') == self._reorient_id:
             self.latest.reached, self.latest.reached_message = values, message.message
 
-    def _on_pose(self, message):
+    def _on_pose(self, message: PoseStamped) -> None:
         self.latest.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')
 
 
-def _guarded(hear):
+def _at_least(count: Callable[[str], int], topic: str, number: int) -> bool:
+    return count(topic) >= number
+
+
+def _guarded(hear: Callable[[Any], None]) -> Callable[[Any], None]:
     """What others publish does not end a client; a damaged document is as good as none."""
 
-    def callback(message):
+    def callback(message: Any) -> None:
         try:
             hear(message)
         except WholeArmError:

@@ -6,12 +6,13 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Optional
 
 import numpy as np
 
-from wholearm_ros.launcher.client import Client, LatestMessages
+from wholearm_ros.launcher.client import Client, LatestMessages, Values
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.orientation import goal_rotation, start_rotation
@@ -198,9 +199,9 @@ def _plan_and_execute(
         latest.planner,
         reached,
         _judge(client, scenario, len(attempts)),
-        latest.trajectory.time_in_modes(),
+        latest.trajectory.time_in_modes() if latest.trajectory else {},
         _timings(clock),
-        len(latest.plan.path),
+        len(latest.plan.path) if latest.plan else 0,
         attempts,
     )
 
@@ -218,14 +219,15 @@ def _follow(client: Client, options: RunOptions, tell: Tell) -> float:
         if before.get('phase', 'planning') != 'planning':
             longest = LONGEST_SILENCE * slowness + SLACK
             planned_at = planned_at or time.monotonic()
-        client.wait(
-            lambda known=before: latest.reached or latest.reorientation is not known,
-            longest,
-            'reorientation/result',
-        )
+        client.wait(partial(_has_news, latest, before), longest, 'reorientation/result')
         told = _tell(latest, tell, told)
     tell(latest.reached_message, 1.0)
     return planned_at or time.monotonic()
+
+
+def _has_news(latest: LatestMessages, known: Values) -> bool:
+    """Whether the supervisor has said something since its feedback was `known`."""
+    return bool(latest.reached) or latest.reorientation is not known
 
 
 def _tell(latest: LatestMessages, tell: Tell, told: int) -> int:

@@ -1,4 +1,6 @@
-"""Leads both fingers along the trajectory of the goal that executes: a setpoint for each controller, for every joint state."""
+"""Leads both fingers along the trajectory of the goal that executes: two setpoints for every joint
+state.
+"""
 
 import json
 import sys
@@ -6,10 +8,13 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from action_msgs.msg import GoalStatus
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
+from wholearm_ros.control.execution import Execution
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
+from wholearm_ros.control.setpoints import Joints
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import (
@@ -20,6 +25,7 @@ from wholearm_ros.ros.interface.common_parameters import (
     STOP_OUTSIDE,
     switch_options_of,
 )
+from wholearm_ros.ros.interface.joint_state_serialization import JointReading
 from wholearm_ros.ros.interface.messages import (
     effort_bytes,
     goal_id_of,
@@ -31,7 +37,7 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.execution import StampedExecution, jumped
-from wholearm_ros.ros.node.node import DIAGNOSTICS_RATE, ERROR, OK, WholeArmNode
+from wholearm_ros.ros.node.node import DIAGNOSTICS_RATE, ERROR, OK, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.node.stamp_age import StampAge
 
@@ -53,28 +59,32 @@ DECLARED = (
         0.002,
         600.0,
     ),
+    Declared('probe', True, 'whether the end of a trajectory is felt, where it comes with a probe'),
 )
-PROBE = Declared(
-    'probe', True, 'whether the end of a trajectory is felt, where it comes with a probe'
-)
-DECLARED = (*DECLARED, PROBE)
 WATCH_PERIOD = 0.01  # [s]
 PROGRESS_PERIOD = 0.1  # [s]; the generator misses the switcher after a few of them
 CONTROLLERS_WITHIN = 5.0  # [s] after a goal, both must listen to their setpoints
+
+Goal = tuple[str, int]  # id of its plan, stamp [ns] of its acceptance
 
 
 class ModeSwitcher(WholeArmNode):
     """trajectory + status of its goal + joint states → velocity_setpoint, torque_setpoint, mode."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('mode_switcher', DECLARED)
         self.lockstep = self.parameters.pacing == 'lockstep'
         self.timeout = self.parameters.joint_states_timeout
         if self.lockstep:
             self.timeout = max(self.timeout, 10.0)
 
-        self.execution = self.wanted = self.last_goal = None
-        self.text = self.trajectory = self.joints = None
+        self.execution: StampedExecution | None = None
+        self.wanted: Goal | None = None
+        self.wanted_since = 0.0  # [s]
+        self.last_goal: Goal | None = None
+        self.text: str | None = None  # a trajectory that has not been read yet
+        self.trajectory: ManipulationTrajectory | None = None
+        self.joints: Joints | None = None
         self.stamp, self.states, self.answered, self.heard = -1, 0, False, time.monotonic()
         self.mode, self.reason, self.age = '', '', StampAge()
 
@@ -91,17 +101,20 @@ class ModeSwitcher(WholeArmNode):
         self.every(PROGRESS_PERIOD, self.publish_progress)
         self.publish_mode(IDLE, '')
 
-    def on_trajectory(self, message):
+    def on_trajectory(self, message: String) -> None:
+        """Read at once, but never while running: a long document would hold up the loop."""
         self.text, self.trajectory = message.data, None
         if not self.running():
-            self.read_trajectory()  # never while running: a long document would hold up the loop
+            self.read_trajectory()
 
-    def read_trajectory(self):
+    def read_trajectory(self) -> None:
+        """The newest document, once; raises DocumentError when it is damaged."""
         if self.trajectory is None and self.text is not None:
             text, self.text = self.text, None
             self.trajectory = ManipulationTrajectory.from_json(text)
 
-    def on_status(self, message):
+    def on_status(self, message: GoalStatusArray) -> None:
+        """A goal that executes is wanted; one that is being canceled is stopped."""
         for status in message.status_list:
             goal = (goal_name(goal_id_of(status.goal_info)), to_nanoseconds(status.goal_info.stamp))
             if (
@@ -116,34 +129,35 @@ class ModeSwitcher(WholeArmNode):
             ):
                 self.stop('canceled')
 
-    def begin(self):
+    def begin(self, wanted: Goal, joints: Joints) -> None:
         """The wanted goal, as soon as its trajectory is here."""
         self.read_trajectory()
-        if self.trajectory is None or self.trajectory.plan_id != self.wanted[0]:
+        if self.trajectory is None or self.trajectory.plan_id != wanted[0]:
             return
         if not (
             self.velocity_setpoint.get_subscription_count()
             and self.torque_setpoint.get_subscription_count()
         ):
             if time.monotonic() - self.wanted_since > CONTROLLERS_WITHIN:
-                self.last_goal, self.wanted = self.wanted, None
+                self.last_goal, self.wanted = wanted, None
                 self.give_up('no controller listens to the setpoints')
             return
-        self.last_goal, self.wanted = self.wanted, None
+        self.last_goal, self.wanted = wanted, None
         self.execution = StampedExecution(
             self.trajectory,
             switch_options_of(self.parameters),
             self.parameters.settle,
             self.trajectory.probe if self.parameters.probe else None,
         )
-        off = float(abs(self.joints.angles - self.trajectory.angles[0]).max())
+        off = float(abs(joints.angles - self.trajectory.angles[0]).max())
         if not off <= self.parameters.start_tolerance:
             self.give_up(
                 f'fingers are {off:.3f} rad from the start of the trajectory; '
                 f'allowed: {self.parameters.start_tolerance}'
             )
 
-    def on_joints(self, message):
+    def on_joints(self, message: JointReading) -> None:
+        """The setpoints for this joint state, and the end of a run when it cannot follow."""
         stamp, joints = to_joints(message)
         repeated = stamp == self.stamp
         if self.lockstep or not repeated:  # in real time the same state again is as good as silence
@@ -153,19 +167,24 @@ class ModeSwitcher(WholeArmNode):
             return
         before, backwards = self.joints, stamp < self.stamp
         self.joints, self.stamp, self.states, self.answered = joints, stamp, self.states + 1, False
-        if self.execution and (backwards or jumped(before, joints)):
+        if self.execution and before and (backwards or jumped(before, joints)):
             self.give_up('time went backwards' if backwards else 'the hand was reset', after=IDLE)
         if backwards:
             self.age = StampAge()
         self.act(0.0 if self.lockstep else self.age(stamp, time.monotonic_ns()))
 
-    def act(self, age: float = 0.0):
-        """On joint states that are `age` [s] old; in lockstep time stands still, so they never are."""
+    def act(self, age: float = 0.0) -> None:
+        """On joint states that are `age` [s] old; in lockstep time stands still, so they never
+        are.
+        """
+        joints = self.joints
+        if joints is None:
+            return
         if self.wanted:
-            self.begin()
+            self.begin(self.wanted, joints)
         if not self.execution or (self.lockstep and self.execution.over):
             return  # in lockstep time stands still while nothing runs
-        motion, torque = self.execution.step_at(self.stamp, self.joints, age)
+        motion, torque = self.execution.step_at(self.stamp, joints, age)
         self.setpoints = (
             velocity_setpoint_bytes(self.stamp, motion),
             effort_bytes(self.stamp, torque.joint, torque.effort),
@@ -174,12 +193,13 @@ class ModeSwitcher(WholeArmNode):
         if self.execution.mode != self.mode:
             self.publish_mode(self.execution.mode, self.execution.reason)
 
-    def publish_setpoints(self):
+    def publish_setpoints(self) -> None:
+        """The last ones, again if need be."""
         for topic, setpoint in zip((self.velocity_setpoint, self.torque_setpoint), self.setpoints):
             topic.publish(setpoint)
         self.answered = True
 
-    def repeat(self):
+    def repeat(self) -> None:
         """The hardware still waits: an answer was lost, or there was nothing to answer yet."""
         if self.answered:
             self.publish_setpoints()
@@ -187,17 +207,19 @@ class ModeSwitcher(WholeArmNode):
             self.act()
 
     def running(self) -> bool:
+        """Whether a trajectory is executed or its end is felt."""
         return self.execution is not None and self.execution.mode not in (DONE, STOPPED)
 
-    def stop(self, reason: str):
+    def stop(self, reason: str) -> None:
+        """Of what runs or is wanted: the fingers hold the object where that is possible."""
         if self.wanted:  # it has not begun, and does not any more
             self.last_goal, self.wanted = self.wanted, None
             self.publish_mode(STOPPED, reason)
-        elif self.execution and self.execution.mode != STOPPED:
+        elif self.execution and self.joints and self.execution.mode != STOPPED:
             self.execution.stop(self.joints, reason)
             self.publish_mode(STOPPED, reason)
 
-    def give_up(self, reason: str, after: str = STOPPED):
+    def give_up(self, reason: str, after: str = STOPPED) -> None:
         """Without further setpoints: the drives hold the fingers."""
         was_running, self.execution = self.running(), None
         if was_running or after == STOPPED:
@@ -205,7 +227,8 @@ class ModeSwitcher(WholeArmNode):
         if after == IDLE:
             self.publish_mode(IDLE, reason)
 
-    def on_stop(self, _, response):
+    def on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Always succeeds; the message says whether anything ran."""
         running = self.execution is not None
         self.stop('mode_switcher/stop was called')
         response.success = True
@@ -214,25 +237,28 @@ class ModeSwitcher(WholeArmNode):
         )
         return response
 
-    def watch(self):
+    def watch(self) -> None:
+        """Without joint states a run ends."""
         silence = time.monotonic() - self.heard
         if self.running() and silence > self.timeout:
             self.give_up(f'no joint_states for {silence:.3f} s; allowed: {self.timeout} s')
 
-    def publish_mode(self, mode: str, reason: str):
+    def publish_mode(self, mode: str, reason: str) -> None:
+        """After the progress, which says why."""
         self.mode, self.reason = mode, reason
-        self.publish_progress()  # the reason first
+        self.publish_progress()
         self.report()
         self.mode_topic.publish(String(data=mode))
         self.get_logger().info(f'{mode}: {reason}' if reason else mode)
 
-    def publish_progress(self):
+    def publish_progress(self) -> None:
+        """For the trajectory generator."""
         level, message, _ = self.health()
         name = self.get_fully_qualified_name()
         self.progress.publish(status_message(name, level, message, self.progress_values()))
 
     def progress_values(self) -> dict[str, Any]:
-        """Of the goal that runs, or ran last. trajectory_start: stamp at which the trajectory's time is zero."""
+        """Of the goal that runs, or ran last; trajectory start: the stamp [ns] of its time 0."""
         run = self.execution
         started = run.trajectory_start if run else None
         return {
@@ -253,7 +279,8 @@ class ModeSwitcher(WholeArmNode):
             'course': told_course(run),
         }
 
-    def health(self):
+    def health(self) -> Health:
+        """The progress without the course, and figures of the loop; an error when stopped."""
         values = {
             **{k: v for k, v in self.progress_values().items() if k != 'course'},
             'states': self.states,
@@ -262,17 +289,20 @@ class ModeSwitcher(WholeArmNode):
         return ERROR if self.mode == STOPPED else OK, self.reason or self.mode, values
 
 
-def felt_pairs(run) -> str:
+def felt_pairs(run: Execution | None) -> str:
     """What the probe has measured, JSON: a list of pairs [rad]; '' when none was made."""
     return json.dumps([pair.tolist() for pair in run.pairs]) if run and run.pairs else ''
 
 
-def told_course(run) -> str:
-    """Where both fingers were every COURSE_PERIOD, JSON: a list of pairs [rad]; '' before the end of a run."""
+def told_course(run: Execution | None) -> str:
+    """Where both fingers were every COURSE_PERIOD, JSON: a list of pairs [rad]; '' before the end
+    of a run.
+    """
     return json.dumps(run.course.round(4).tolist()) if run and run.mode == DONE else ''
 
 
-def main():
+def main() -> None:
+    """The executable."""
     sys.exit(run_node(ModeSwitcher))
 
 

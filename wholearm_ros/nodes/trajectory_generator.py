@@ -1,11 +1,16 @@
-"""Makes the trajectory of a contact plan, and takes goals: which one runs, how far it is, how it ended."""
+"""Makes the trajectory of a contact plan, and takes goals: which one runs, how far it is, how it
+ended.
+"""
 
 import json
 import sys
 import time
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
+from action_msgs.msg import GoalInfo
+from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
@@ -21,6 +26,7 @@ from wholearm_ros.estimation.hold import hold_after, hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
 from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
 from wholearm_ros.ros.interface.goals import (
@@ -45,7 +51,7 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.goal_server import GoalServer
-from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.node import OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import plan_markers
 from wholearm_ros.trajectory.main_trajectory import generate
@@ -55,7 +61,8 @@ DECLARED = (
     Declared(
         'switcher_timeout',
         0.4,
-        'without a word of the mode switcher beyond which a goal is aborted; in lockstep at least 10 [s]',
+        'without a word of the mode switcher beyond which a goal is aborted; in lockstep at least '
+        '10 [s]',
         0.1,
         600.0,
     ),
@@ -64,10 +71,17 @@ WATCH_PERIOD = 0.05  # [s]
 PATIENCE_IN_LOCKSTEP = 10.0  # [s]: processes may take the time they need
 
 
+class EarlyGoal(NamedTuple):
+    """A goal to feel before the mode switcher has said where the fingers are, since [s]."""
+
+    message: GoalInfo
+    since: float
+
+
 class TrajectoryGenerator(WholeArmNode):
     """contact_plan → trajectories; goal, cancel, progress → status, feedback, result."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('trajectory_generator', DECLARED)
         self.goals = GoalServer(
             self,
@@ -76,15 +90,19 @@ class TrajectoryGenerator(WholeArmNode):
             channels.FEEDBACK,
             channels.RESULT,
         )
-        self.trajectory = self.plan_id = None
-        self.executed = self.published = None  # trajectory of the last goal; id of the newest one
-        self.early = None  # a goal to feel, and since when it waits [s]
+        self.trajectory: ManipulationTrajectory | None = None  # of the newest plan
+        self.plan_id: bytes | None = None
+        self.executed: ManipulationTrajectory | None = None  # of the last goal
+        self.published: bytes | None = None  # plan id of the newest trajectory
+        self.early: EarlyGoal | None = None
         self.kept = False  # whether the last run of a plan kept to it
-        self.progress, self.progress_at, self.last_stamp = {}, 0.0, 0  # of the switcher; [s]; [ns]
-        self.scenario, self.claimed = scenario_of(self.parameters), None
+        self.progress: dict[str, str] = {}  # of the mode switcher
+        self.progress_at = self.accepted_at = 0.0  # [s]
+        self.last_stamp = 0  # [ns]
+        self.scenario = scenario_of(self.parameters)
         self.feeler = Feeler(self.scenario)
+        self.claimed: Claim | None = None
 
-        self.accepted_at = 0.0  # [s]
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
         self.manipulation_trajectory = self.publisher(channels.MANIPULATION_TRAJECTORY)
         self.markers = self.publisher(channels.MARKERS)
@@ -95,25 +113,27 @@ class TrajectoryGenerator(WholeArmNode):
         self.every(WATCH_PERIOD, self.watch)
         self.goals.publish_status()
 
-    def on_plan(self, message):
+    def on_plan(self, message: String) -> None:
+        """Its trajectory and what it looks like; raises DocumentError when the plan is damaged."""
         plan = ContactPlan.from_json(message.data)
         self.feeler, self.scenario = Feeler(plan.scenario), plan.scenario
         trajectory = generate(plan.scenario, plan)
-        self.trajectory = replace(trajectory, probe=probe_after(self.feeler, trajectory))
+        trajectory = replace(trajectory, probe=probe_after(self.feeler, trajectory))
+        self.trajectory = trajectory
         self.plan_id = to_goal_id(plan.id)
         now = self.get_clock().now().to_msg()
-        self.joint_trajectory.publish(to_joint_trajectory(self.trajectory, now))
-        self.publish_trajectory(self.trajectory)
-        self.markers.publish(plan_markers(plan.scenario, self.trajectory))
-        self.get_logger().info(
-            f'plan {plan.id[:8]}: trajectory of {self.trajectory.duration:.2f} s'
-        )
+        self.joint_trajectory.publish(to_joint_trajectory(trajectory, now))
+        self.publish_trajectory(trajectory)
+        self.markers.publish(plan_markers(plan.scenario, trajectory))
+        self.get_logger().info(f'plan {plan.id[:8]}: trajectory of {trajectory.duration:.2f} s')
 
-    def publish_trajectory(self, trajectory):
+    def publish_trajectory(self, trajectory: ManipulationTrajectory) -> None:
+        """For the mode switcher."""
         self.published = to_goal_id(trajectory.plan_id)
         self.manipulation_trajectory.publish(String(data=trajectory.to_json()))
 
-    def on_goal(self, message):
+    def on_goal(self, message: GoalInfo) -> None:
+        """The newest plan, or to feel; rejected while another one is active."""
         goal = goal_id_of(message)
         if goal not in (self.plan_id, FEEL_GOAL):
             known = goal_name(self.plan_id) if self.plan_id else 'none yet'
@@ -123,14 +143,13 @@ class TrajectoryGenerator(WholeArmNode):
         elif self.goals.busy:
             self.reject(message, self.goals.busy)
         elif goal == FEEL_GOAL and not self.progress.get('angles'):
-            self.early = (
-                message,
-                time.monotonic(),
-            )  # until the mode switcher says where the fingers are
+            self.early = EarlyGoal(message, time.monotonic())
         else:
-            self.executed = self.hold() if goal == FEEL_GOAL else self.trajectory
+            trajectory = self.hold() if goal == FEEL_GOAL else self.trajectory
+            assert trajectory is not None  # its plan's id is known
             if self.published != goal or goal == FEEL_GOAL:
-                self.publish_trajectory(self.executed)
+                self.publish_trajectory(trajectory)
+            self.executed = trajectory
             self.last_stamp = max(self.get_clock().now().nanoseconds, self.last_stamp + 1)
             info = goal_message(goal, self.get_clock().now().to_msg())
             set_stamp(info.stamp, self.last_stamp)
@@ -139,8 +158,10 @@ class TrajectoryGenerator(WholeArmNode):
             self.accepted_at, self.claimed = time.monotonic(), None
             self.watch()
 
-    def hold(self):
-        """The fingers where they are, and the probe of what lies between them, from the other side than the last one."""
+    def hold(self) -> ManipulationTrajectory:
+        """The fingers where they are, and the probe of what lies between them, from the other side
+        than the last one.
+        """
         angles = np.array(json.loads(self.progress['angles']))
         weights = self.feeler.model.world.finger_moment
         if self.executed:
@@ -151,20 +172,22 @@ class TrajectoryGenerator(WholeArmNode):
             probe = probe_of_the_unknown(self.feeler, LEFT, float(angles[LEFT]))
         return replace(hold, plan_id=goal_name(FEEL_GOAL), probe=probe)
 
-    def reject(self, request, reason: str):
+    def reject(self, request: GoalInfo, reason: str) -> None:
+        """Logged, and told to the client."""
         self.get_logger().warning(f'goal rejected: {reason}')
         self.goals.reject(request, reason)
 
-    def on_cancel(self, message):
+    def on_cancel(self, message: GoalInfo) -> None:
+        """The mode switcher sees the status and stops the run."""
         if self.goals.canceled_by(message):
             self.goals.move(CANCELING)
             self.goals.publish_status()
 
-    def on_progress(self, message):
+    def on_progress(self, message: DiagnosticStatus) -> None:
         """Of the mode switcher, ten times a second and at every change of its mode."""
         self.progress, self.progress_at = values_of(message), time.monotonic()
         if self.early and self.progress.get('angles'):
-            early, self.early = self.early[0], None
+            early, self.early = self.early.message, None
             self.on_goal(early)
         active = self.goals.active
         if not active:
@@ -175,7 +198,8 @@ class TrajectoryGenerator(WholeArmNode):
         if its_own and self.progress.get('mode') in (DONE, STOPPED, IDLE):
             self.conclude(self.progress['mode'], active.status == CANCELING)
 
-    def publish_feedback(self, progress: dict[str, str]):
+    def publish_feedback(self, progress: dict[str, str]) -> None:
+        """progress: of the active goal, empty before it runs."""
         self.goals.publish_feedback(
             {
                 'mode': progress.get('mode', ''),
@@ -184,9 +208,10 @@ class TrajectoryGenerator(WholeArmNode):
             }
         )
 
-    def watch(self):
-        if self.early and time.monotonic() - self.early[1] > PATIENCE_IN_LOCKSTEP:
-            early, self.early = self.early[0], None
+    def watch(self) -> None:
+        """A goal executes as soon as a mode switcher is there, and ends when it falls silent."""
+        if self.early and time.monotonic() - self.early.since > PATIENCE_IN_LOCKSTEP:
+            early, self.early = self.early.message, None
             self.reject(early, 'the mode switcher has not told where the fingers are')
         active = self.goals.active
         if not active:
@@ -201,16 +226,18 @@ class TrajectoryGenerator(WholeArmNode):
 
     def patience(self) -> float:
         """[s] without a word of the mode switcher; before its first one, as in lockstep."""
-        timeout = self.parameters.switcher_timeout
+        timeout: float = self.parameters.switcher_timeout
         in_real_time = self.progress.get('pacing') == 'realtime'
         return timeout if in_real_time else max(timeout, PATIENCE_IN_LOCKSTEP)
 
-    def conclude(self, mode: str, canceling: bool):
-        if mode == DONE:
-            if self.executed is self.trajectory:
-                self.kept = reported_as_kept(self.feeler, self.trajectory, self.progress)
+    def conclude(self, mode: str, canceling: bool) -> None:
+        """The active goal's end in a final mode; when it is done, what was felt decides."""
+        executed = self.executed
+        if mode == DONE and executed:
+            if executed is self.trajectory:
+                self.kept = reported_as_kept(self.feeler, executed, self.progress)
             self.claimed = reported_claim(
-                self.feeler, self.scenario, self.executed.probe, self.progress, self.kept
+                self.feeler, self.scenario, executed.probe, self.progress, self.kept
             )
             reached = self.claimed.outcome in (AT_GOAL, UNVERIFIED)
             self.end(SUCCEEDED if reached else ABORTED, self.claimed.reason)
@@ -218,14 +245,15 @@ class TrajectoryGenerator(WholeArmNode):
             reason = self.progress.get('reason') or f'the mode switcher is {mode}'
             self.end(CANCELED if canceling else ABORTED, reason)
 
-    def end(self, status: int, reason: str):
+    def end(self, status: int, reason: str) -> None:
+        """The active goal's, with its result."""
         goal = self.goals.move(status, reason)
         self.goals.publish_status()
         values = {
             'reason': reason,
             'stamp': self.progress.get('stamp', ''),
             'progress': self.progress.get('progress', ''),
-            'duration': self.executed.duration,
+            'duration': self.executed.duration if self.executed else '',
             **({} if self.claimed is None else told_values(self.claimed)),
         }
         name = NAMES[status]
@@ -238,7 +266,8 @@ class TrajectoryGenerator(WholeArmNode):
         )
         self.get_logger().info(f'goal {goal_name(goal_id_of(goal.info))[:8]} {name}: {reason}')
 
-    def health(self):
+    def health(self) -> Health:
+        """The newest plan, and the active goal's status."""
         active = self.goals.active
         values = {
             'plan': goal_name(self.plan_id) if self.plan_id else '',
@@ -247,12 +276,13 @@ class TrajectoryGenerator(WholeArmNode):
         return OK, NAMES[active.status] if active else 'ready', values
 
 
-def told_values(claimed: Claim) -> dict:
+def told_values(claimed: Claim) -> dict[str, Any]:
     """What a result says of a claim."""
     return {key: '' if v is None else v for key, v in claimed.to_dict().items()}
 
 
-def main():
+def main() -> None:
+    """The executable."""
     sys.exit(run_node(TrajectoryGenerator))
 
 
