@@ -29,6 +29,7 @@ from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
 from wholearm_ros.ros.interface.joint_state_serialization import MessageError
 from wholearm_ros.ros.interface.messages import (
+    PLANNER_BUSY,
     pose_message,
     status_message,
     to_planar,
@@ -81,7 +82,6 @@ DECLARED = (
 # [m, m, rad] of the goal pose of a `plan` request without one.
 TOLERANCE = np.array([0.01, 0.005, 0.03])
 Answer = tuple[bool, str, Optional[ContactPlan]]  # found, one line, the plan
-BUSY = 'busy with another plan; allowed: one at a time'
 
 
 class ContactStatePlanner(WholeArmNode):
@@ -147,7 +147,7 @@ class ContactStatePlanner(WholeArmNode):
     async def answer(self, make_scenario: Callable[[], Scenario]) -> Answer:
         """(found, one line, plan or None); the plan is published when there is one."""
         if self.busy:
-            return False, BUSY, None
+            return False, PLANNER_BUSY, None
         self.busy, done = True, Future(executor=self.executor)
         try:
             scenario = make_scenario()

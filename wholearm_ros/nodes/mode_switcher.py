@@ -86,7 +86,7 @@ class ModeSwitcher(WholeArmNode):
         self.trajectory: ManipulationTrajectory | None = None
         self.joints: Joints | None = None
         self.stamp, self.states, self.answered, self.heard = -1, 0, False, time.monotonic()
-        self.mode, self.reason, self.age = '', '', StampAge()
+        self.mode, self.reason, self.by_motion, self.age = '', '', False, StampAge()
 
         self.mode_topic = self.publisher(channels.MODE)
         self.progress = self.publisher(channels.PROGRESS)
@@ -191,7 +191,7 @@ class ModeSwitcher(WholeArmNode):
         )
         self.publish_setpoints()
         if self.execution.mode != self.mode:
-            self.publish_mode(self.execution.mode, self.execution.reason)
+            self.publish_mode(self.execution.mode, self.execution.reason, by_motion=True)
 
     def publish_setpoints(self) -> None:
         """The last ones, again if need be."""
@@ -243,9 +243,9 @@ class ModeSwitcher(WholeArmNode):
         if self.running() and silence > self.timeout:
             self.give_up(f'no joint_states for {silence:.3f} s; allowed: {self.timeout} s')
 
-    def publish_mode(self, mode: str, reason: str) -> None:
-        """After the progress, which says why."""
-        self.mode, self.reason = mode, reason
+    def publish_mode(self, mode: str, reason: str, by_motion: bool = False) -> None:
+        """After the progress, which says why; by_motion: the execution came to it by itself."""
+        self.mode, self.reason, self.by_motion = mode, reason, by_motion
         self.publish_progress()
         self.report()
         self.mode_topic.publish(String(data=mode))
@@ -264,6 +264,7 @@ class ModeSwitcher(WholeArmNode):
         return {
             'mode': self.mode,
             'reason': self.reason,
+            'stopped by motion': self.mode == STOPPED and self.by_motion,
             'goal': self.last_goal[0] if self.last_goal else '',
             'goal stamp': self.last_goal[1] if self.last_goal else 0,
             'pacing': self.parameters.pacing,

@@ -13,7 +13,7 @@ from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import String
 
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.estimation.claim import AT_GOAL, UNKNOWN, UNVERIFIED, Claim
+from wholearm_ros.estimation.claim import AT_GOAL, UNVERIFIED, Claim
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
@@ -32,6 +32,7 @@ from wholearm_ros.ros.interface.goals import (
 from wholearm_ros.ros.interface.messages import (
     FEEL_GOAL,
     NO_GOAL,
+    PLANNER_BUSY,
     goal_id_of,
     goal_message,
     goal_name,
@@ -53,11 +54,7 @@ DECLARED = (
 WATCH_PERIOD = 0.1  # [s]
 PLANNER_WITHIN = 5.0  # [s] for which the planner's services may be out of sight
 SET_PARAMETERS = channels.Service('contact_state_planner/set_parameters', SetParameters)
-BUSY = 'busy'  # how the planner begins its answer while it plans
 PLANNING, EXECUTES, FEELING = 'planning', 'executing', 'feeling'
-TRACKING = (
-    'tracking error'  # how the mode switch begins the one reason after which the hand may go on
-)
 
 
 class Reorientation(WholeArmNode):
@@ -192,9 +189,7 @@ class Reorientation(WholeArmNode):
 
     def on_answer(self, answer: Any) -> None:
         """Of the planner: the plan is on its way, or there is none."""
-        if answer.message.startswith(
-            BUSY
-        ):  # with the plan of a goal that was canceled: asked again
+        if answer.message == PLANNER_BUSY:  # with the plan of a goal that was canceled: asked again
             self.planner_is_busy = True
             return
         if not answer.success:
@@ -347,10 +342,7 @@ def _stop(asked: Scenario, document: str) -> GoalOnEdge | None:
 
 def _claim(values: dict[str, str]) -> Claim | None:
     """What a result of the generator claims; None of one that claims nothing."""
-    if values.get('claimed'):
-        return Claim.from_dict(values)
-    reason = values.get('reason', '')
-    return Claim(UNKNOWN, f'stopped: {reason}') if reason.startswith(TRACKING) else None
+    return Claim.from_dict(values) if values.get('claimed') else None
 
 
 def _told(values: dict[str, str], planned: bool) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from std_msgs.msg import String
 from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
 from wholearm_ros.estimation.claim import (
     AT_GOAL,
+    UNKNOWN,
     UNVERIFIED,
     Claim,
     reported_as_kept,
@@ -243,6 +244,8 @@ class TrajectoryGenerator(WholeArmNode):
             self.end(SUCCEEDED if reached else ABORTED, self.claimed.reason)
         else:
             reason = self.progress.get('reason') or f'the mode switcher is {mode}'
+            if self.progress.get('stopped by motion') == str(True) and not canceling:
+                self.claimed = Claim(UNKNOWN, f'stopped: {reason}')  # the hand may feel, and go on
             self.end(CANCELED if canceling else ABORTED, reason)
 
     def end(self, status: int, reason: str) -> None:

@@ -24,6 +24,7 @@ from wholearm_ros.ros.interface.joint_state_serialization import (
     write_joints,
 )
 
+PLANNER_BUSY = 'busy with another plan; allowed: one at a time'  # answer of plan_scenario
 NO_GOAL = bytes(16)  # a cancel with it means: whatever is running
 # A goal of the generator that only feels what lies in the hand.
 FEEL_GOAL = uuid.uuid5(uuid.NAMESPACE_OID, 'wholearm: feel').bytes
