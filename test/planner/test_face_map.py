@@ -8,7 +8,7 @@ from wholearm_ros.model.certificate import certificate
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.face_map import FaceMap, Way
-from wholearm_ros.planner.legs import plan_leg, stop_of
+from wholearm_ros.planner.legs import LegPlanner, stop_of
 from wholearm_ros.planner.map_making import (
     MapOptions,
     Refused,
@@ -64,8 +64,7 @@ def test_what_fails_in_a_session_is_avoided_but_not_banned(route):
     )
     face_map = FaceMap((0, 1), (one, other))
     chosen = face_map.route(StartOnEdge(0, 0.0), GoalOnEdge(1))[0]
-    for _ in range(2):
-        face_map = face_map.happened(chosen.plan.id, success=False)
+    face_map = face_map.after({chosen.plan.id: (0, 2)})
     again = face_map.route(StartOnEdge(0, 0.0), GoalOnEdge(1))[0]
     assert again.plan.id != chosen.plan.id
     assert FaceMap((0, 1), face_map.ways[:1]).route(StartOnEdge(0, 0.0), GoalOnEdge(1))
@@ -104,7 +103,7 @@ def test_a_map_is_made_kept_and_answers(tmp_path):
     assert asked == {(0, -0.01, 0.0), (0, 0.01, 0.0)}
 
     felt = replace(SCENARIO, start=StartOnEdge(0, 0.004), goal=GoalOnEdge(1))
-    answer = plan_leg(felt, PlanRequest(), face_map)
+    answer = LegPlanner(PlanRequest(), store).plan(felt)
     assert answer.plan.id == made.plan.id and answer.trajectory is not None
     assert stop_of(felt, answer.plan.scenario) is None
     assert stop_of(replace(felt, goal=GoalOnEdge(2)), answer.plan.scenario) == GoalOnEdge(1, CW)

@@ -17,7 +17,7 @@ from wholearm_ros.planner.legs import Leg
 from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.suite import session as session_module
 from wholearm_ros.suite.attempts import true_rest
-from wholearm_ros.suite.session import HandSession
+from wholearm_ros.suite.session import HandSession, Pursuit
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
@@ -34,14 +34,12 @@ def no_plan(scenario):
 
 def run_attempts(scenario, trajectory, perturbation, plan_again=no_plan, start=None, **options):
     """Pursue a scenario's goal on the planar hand, first with the trajectory given."""
-    first = Leg(trajectory, scenario)
-
-    def plan(asked):
-        return first if asked is scenario else plan_again(asked)
-
-    options = SuiteOptions(backend='planar', **options)
+    options = SuiteOptions(backend='planar', maps=False, **options)
+    pursuit = Pursuit(scenario, Leg(trajectory, scenario), options)
+    planned = pursuit.plan
+    pursuit.plan = lambda asked: planned(asked) if asked is scenario else plan_again(asked)
     with HandSession(scenario, perturbation, options, start=start) as session:
-        return session.pursue(scenario, plan)
+        return session.pursue(scenario, pursuit)
 
 
 @pytest.mark.parametrize('held', [0, 1])

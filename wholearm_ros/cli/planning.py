@@ -14,7 +14,7 @@ from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scen
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.model.yaml_text import read_text
 from wholearm_ros.package_share import scenario_path
-from wholearm_ros.planner.legs import plan_leg, stop_of
+from wholearm_ros.planner.legs import LegPlanner, stop_of
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.rollout.verification import Verification
@@ -37,11 +37,8 @@ def load_asked(name: str, goal_edge: int | None) -> Scenario:
 def plan_scenario(scenario: Scenario, request: PlanRequest) -> PlanResult:
     """Plan a scenario, from its object's map where there is one, and print what was found."""
     with err.status('planning') as status:
-        result = plan_leg(
-            scenario,
-            request,
-            MapStore(scenario).load(),
-            progress=lambda line: status.update(f'planning: {escape(line)}'),
+        result = LegPlanner(request, MapStore(scenario)).plan(
+            scenario, lambda line: status.update(f'planning: {escape(line)}')
         )
     print_plan(result)
     stop = stop_of(scenario, result.plan.scenario)

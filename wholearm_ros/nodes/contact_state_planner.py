@@ -1,5 +1,6 @@
 """Plans routes of contact states: of the scenario as configured, or between two object poses."""
 
+import json
 import sys
 import threading
 import traceback
@@ -8,6 +9,7 @@ from dataclasses import replace
 from typing import Any, Optional
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.srv import GetPlan
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
@@ -15,13 +17,14 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from wholearm_ros.errors import WholeArmError
+from wholearm_ros.estimation.claim import AT_GOAL, OUTCOMES
 from wholearm_ros.mechanics.contacts import close_finger
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.model.scenario import GoalAtPose, Scenario, StartAtPose
+from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
-from wholearm_ros.planner.legs import plan_leg
+from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.planner.warm import warm
@@ -33,6 +36,7 @@ from wholearm_ros.ros.interface.messages import (
     pose_message,
     status_message,
     to_planar,
+    values_of,
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.node import OK, WARN, Health, WholeArmNode
@@ -94,6 +98,10 @@ class ContactStatePlanner(WholeArmNode):
         super().__init__('contact_state_planner', DECLARED)
         scenario_of(self.parameters)  # refused now rather than at the first request
         self.busy, self.planned = False, 0
+        self.maps: MapStore | None = None
+        self.legs = LegPlanner(PlanRequest())
+        self.face_map = self.publisher(channels.FACE_MAP)
+        self.subscription(channels.RESULT, self.on_result)
         self.contact_plan = self.publisher(channels.CONTACT_PLAN)
         self.status = self.publisher(channels.PLANNER_STATUS)
         self.publish_status(
@@ -158,6 +166,7 @@ class ContactStatePlanner(WholeArmNode):
             result = await done
             if isinstance(result, Exception):
                 raise result
+            self.publish_map(scenario)
         except WholeArmError as error:
             return self.no_plan(str(error))
         except (
@@ -172,11 +181,32 @@ class ContactStatePlanner(WholeArmNode):
     def plan(self, scenario: Scenario, request: PlanRequest, done: Future) -> None:
         """Of the thread: `done` becomes a PlanResult or an exception."""
         try:
-            done.set_result(plan_leg(scenario, request, MapStore(scenario).load()))
+            done.set_result(self.legs_of(scenario, request).plan(scenario))
         except Exception as error:
             done.set_result(error)
         executor: Any = self.executor
         executor.wake()  # it looks at who awaits only when something else happens
+
+    def legs_of(self, scenario: Scenario, request: PlanRequest) -> LegPlanner:
+        """Of one object in one hand it is the same: it remembers how runs went."""
+        maps = MapStore(scenario)
+        if self.maps is None or self.maps.directory != maps.directory:
+            self.maps, self.legs = maps, LegPlanner(request, maps)
+        self.legs.request = request
+        return self.legs
+
+    def publish_map(self, scenario: Scenario) -> None:
+        """As far as it is made, after a plan that may have come from it."""
+        goal = scenario.goal
+        if self.maps is not None and isinstance(goal, GoalOnEdge) and goal.direction is None:
+            document = self.maps.load().to_dict(scenario.name)
+            self.face_map.publish(String(data=json.dumps(document)))
+
+    def on_result(self, message: DiagnosticStatus) -> None:
+        """Of the trajectory generator: whether a plan led to its goal."""
+        told = values_of(message)
+        if told.get('claimed') in OUTCOMES:
+            self.legs.happened(told.get('goal_id', ''), told['claimed'] == AT_GOAL)
 
     def no_plan(self, reason: str) -> Answer:
         """Said on the status, too."""

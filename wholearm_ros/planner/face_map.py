@@ -5,7 +5,7 @@ so that a route's errors do not add up.
 """
 
 import heapq
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import log
 from typing import Any
@@ -112,17 +112,11 @@ class FaceMap:
             rate *= way.success_rate
         return rate
 
-    def happened(self, plan_id: str, success: bool) -> 'FaceMap':
-        """The map after a run of one of its ways."""
-
-        def told(way: Way) -> Way:
-            if way.plan.id != plan_id:
-                return way
-            if success:
-                return replace(way, succeeded=way.succeeded + 1)
-            return replace(way, failed=way.failed + 1)
-
-        return replace(self, ways=tuple(told(way) for way in self.ways))
+    def after(self, runs: Mapping[str, tuple[int, int]]) -> 'FaceMap':
+        """The map after runs of a session: (succeeded, failed) by the plan's id."""
+        told = [(way, runs.get(way.plan.id, (0, 0))) for way in self.ways]
+        ways = tuple(replace(way, succeeded=s, failed=f) if s + f else way for way, (s, f) in told)
+        return replace(self, ways=ways)
 
     def to_dict(self, name: str) -> dict[str, Any]:
         """The document `wholearm-map/1`; name: of the scenario."""

@@ -31,6 +31,7 @@ class MapStore:
 
     def __init__(self, scenario: Scenario, maps: Path | None = None) -> None:
         self.scenario = scenario
+        self._known: dict[Path, tuple[int, Way | Refused | None]] = {}  # by file: its time, and it
         self.directory = (maps or maps_directory()) / _key(scenario)
 
     def load(self) -> FaceMap:
@@ -41,7 +42,7 @@ class MapStore:
         """Whether the way between a scenario's start and goal was tried, and not for too short a
         time.
         """
-        tried = _read_file(self._file(scenario))
+        tried = self._read(self._file(scenario))
         return tried is not None and not (
             isinstance(tried, Refused) and tried.reason.startswith(TIME_SPENT)
         )
@@ -68,9 +69,16 @@ class MapStore:
 
     def _tried(self) -> Iterator[Way | Refused]:
         for file in sorted(self.directory.glob('*.json')):
-            tried = _read_file(file)
+            tried = self._read(file)
             if tried is not None:
                 yield tried
+
+    def _read(self, file: Path) -> Way | Refused | None:
+        """A file that has not changed is read once."""
+        time = file.stat().st_mtime_ns if file.is_file() else 0
+        if self._known.get(file, (0, None))[0] != time:
+            self._known[file] = time, _read_file(file)
+        return self._known[file][1] if time else None
 
     def _file(self, scenario: Scenario) -> Path:
         start, goal = scenario.start, scenario.goal

@@ -8,13 +8,12 @@ import numpy as np
 from wholearm_ros.model.backends import JURY
 from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.planner.legs import Leg, leg_of, plan_leg
-from wholearm_ros.planner.map_store import MapStore
+from wholearm_ros.planner.legs import Leg
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.jury import Verdict, hear
 from wholearm_ros.simulation.outcome import Outcome, outcome
 from wholearm_ros.suite.attempts import Attempts
-from wholearm_ros.suite.session import HandSession, Plan
+from wholearm_ros.suite.session import HandSession, Pursuit
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 
@@ -56,23 +55,9 @@ def execute(
         verdict = hear(first.scenario, first.trajectory, perturbation, options.loop)
         return _of_jury(scenario, verdict, perturbation)
     with HandSession(scenario, perturbation, options) as session:
-        attempts = session.pursue(scenario, leg_planner(scenario, first, options))
+        attempts = session.pursue(scenario, Pursuit(scenario, first, options))
     judged = outcome(scenario, attempts.last)
     return JudgedRun(scenario, attempts.motions[0].record, judged, perturbation, attempts)
-
-
-def leg_planner(scenario: Scenario, first: Leg | None, options: SuiteOptions) -> Plan:
-    """`plan` of `HandSession.pursue`: the leg `first` for `scenario` itself, else a new one, from
-    the object's map where there is one.
-    """
-    face_map = MapStore(scenario).load() if options.maps else None
-
-    def plan(asked: Scenario) -> Leg | None:
-        if asked is scenario:
-            return first
-        return leg_of(asked, plan_leg(asked, options.request, face_map))
-
-    return plan
 
 
 def drawn_perturbation(

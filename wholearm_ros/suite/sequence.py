@@ -6,8 +6,8 @@ from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.legs import Leg
 from wholearm_ros.simulation.outcome import outcome
 from wholearm_ros.suite.attempts import Attempts
-from wholearm_ros.suite.execution import drawn_perturbation, leg_planner
-from wholearm_ros.suite.session import HandSession
+from wholearm_ros.suite.execution import drawn_perturbation
+from wholearm_ros.suite.session import HandSession, Pursuit
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 
@@ -25,7 +25,7 @@ def run_sequence(
     """
     perturbation = drawn_perturbation(scenario, options, draw, name)
     with HandSession(scenario, perturbation, options) as session:
-        made = session.pursue_faces(scenario, faces, leg_planner(scenario, first, options))
+        made = session.pursue_faces(scenario, faces, Pursuit(scenario, first, options))
     reached = [_told(face, attempts) for face, attempts in zip(faces, made)]
     reached += [_not_begun(face) for face in faces[len(made) :]]
     last = made[-1]

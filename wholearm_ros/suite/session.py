@@ -2,14 +2,21 @@
 again, never reset.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from types import TracebackType
 
 import numpy as np
 
 from wholearm_ros.control.execution import Execution
-from wholearm_ros.estimation.claim import LOST, UNKNOWN, UNVERIFIED, Claim, claim, kept_to_plan
+from wholearm_ros.estimation.claim import (
+    AT_GOAL,
+    LOST,
+    UNKNOWN,
+    UNVERIFIED,
+    Claim,
+    claim,
+    kept_to_plan,
+)
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_after, hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
@@ -18,7 +25,8 @@ from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartAtPose, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planner.legs import Leg
+from wholearm_ros.planner.legs import Leg, LegPlanner, leg_of
+from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.supervision import END, FEEL, Supervision
 from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.simulation.closed_loop import RunRecord, lead
@@ -26,7 +34,26 @@ from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.suite.attempts import Attempts, Motion
 from wholearm_ros.suite.suite_options import SuiteOptions
 
-Plan = Callable[[Scenario], Leg | None]
+
+class Pursuit:
+    """Where the legs of a session come from: `first` for `scenario` itself, else planned, from the
+    object's map where there is one.
+    """
+
+    def __init__(self, scenario: Scenario, first: Leg | None, options: SuiteOptions) -> None:
+        self.scenario, self.first = scenario, first
+        maps = MapStore(scenario) if options.maps else None
+        self.planner = LegPlanner(options.request, maps)
+
+    def plan(self, asked: Scenario) -> Leg | None:
+        """The next leg, None without a plan."""
+        if asked is self.scenario:
+            return self.first
+        return leg_of(asked, self.planner.plan(asked))
+
+    def happened(self, leg: Leg, success: bool) -> None:
+        """Whether a leg ended at its goal, as felt."""
+        self.planner.happened(leg.trajectory.plan_id, success)
 
 
 class HandSession:
@@ -63,11 +90,8 @@ class HandSession:
     ) -> None:
         self.hand.disconnect()
 
-    def pursue(self, scenario: Scenario, plan: Plan) -> Attempts:
-        """Go for the goal of `scenario`, from its start, until it is felt or nothing is left.
-
-        plan: the next leg of a scenario, or None.
-        """
+    def pursue(self, scenario: Scenario, pursuit: Pursuit) -> Attempts:
+        """Go for the goal of `scenario`, from its start, until it is felt or nothing is left."""
         begun = len(self.motions)
         supervision = Supervision(scenario, self.options.attempts)
         decision = supervision.begin()
@@ -76,17 +100,18 @@ class HandSession:
                 supervision, decision = supervision.felt(self.feel(scenario))
                 continue
             assert decision.scenario is not None
-            leg = plan(decision.scenario)
+            leg = pursuit.plan(decision.scenario)
             if leg is None:
                 decision = supervision.no_plan('from where the object lies')
                 continue
             said = self._lead(leg.trajectory, leg.scenario, planned=True)
+            pursuit.happened(leg, said.outcome == AT_GOAL)
             supervision, decision = supervision.executed(said, leg.stop)
         made = tuple(self.motions[begun:])
         return Attempts(scenario, made, decision.outcome, decision.reason)
 
     def pursue_faces(
-        self, scenario: Scenario, faces: tuple[int, ...], plan: Plan
+        self, scenario: Scenario, faces: tuple[int, ...], pursuit: Pursuit
     ) -> tuple[Attempts, ...]:
         """Face after face, each from where the object was felt after the one before; as many as
         were begun: none is after an object that is lost, or not known where.
@@ -95,7 +120,7 @@ class HandSession:
         start = scenario.start
         for face in faces:
             asked = scenario if not done else _from(scenario, start, face)
-            done.append(self.pursue(asked, plan))
+            done.append(self.pursue(asked, pursuit))
             felt = self.motions[-1].claim.felt if self.motions else None
             if done[-1].motions and (felt is None or done[-1].outcome in (LOST, UNKNOWN)):
                 break

@@ -8,7 +8,7 @@ import numpy as np
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planner.legs import leg_of, plan_leg
+from wholearm_ros.planner.legs import LegPlanner, leg_of
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.suite.execution import JudgedRun, execute
@@ -57,10 +57,10 @@ def _empty(name: str) -> Result:
 
 def _planned_and_executed(task: SuiteEntry, options: SuiteOptions) -> Result:
     scenario, faces = task.parsed()
-    face_map = MapStore(scenario).load() if options.maps else None
     result, first = _empty(task.name), None
     if not scenario.to_be_felt:
-        answer = plan_leg(scenario, options.request, face_map)
+        maps = MapStore(scenario) if options.maps else None
+        answer = LegPlanner(options.request, maps).plan(scenario)
         first = leg_of(scenario, answer)
         result |= _of_plan(answer.plan, answer.trajectory)
         result |= {name: _number(answer.timings.get(name)) for name in TIMES}

@@ -8,17 +8,24 @@ from typing import Any
 ASSETS = Path(__file__).parent / 'assets'
 
 
-def page(title: str, body: str, data: dict[str, Any], script: str) -> str:
-    """script: the file in assets/ that brings the page to life; it finds `data` in REPORT."""
-    from plotly.offline import get_plotlyjs  # 5 MB, only when a report is made
-
+def page(title: str, body: str, data: dict[str, Any], script: str, plots: bool = True) -> str:
+    """script: the file in assets/ that brings the page to life; it finds `data` in REPORT; plots:
+    whether it draws plots, for which the page then holds the library.
+    """
     values = json.dumps(data, separators=(',', ':'), allow_nan=False).replace('</', '<\\/')
     scripts = (
-        get_plotlyjs(),
+        _plotly() if plots else '',
         f'const REPORT = {values};',
         f'\n{asset("theme.js")}{asset("scene.js")}{asset(script)}',
     )
     return _document(title, body, ''.join(f'<script>{text}</script>\n' for text in scripts))
+
+
+def _plotly() -> str:
+    from plotly.offline import get_plotlyjs  # 5 MB, only when a report is made
+
+    text: str = get_plotlyjs()
+    return text
 
 
 def still_page(title: str, body: str) -> str:

@@ -56,6 +56,7 @@ PLAN = Service('contact_state_planner/plan', GetPlan)
 PLAN_SCENARIO = Service('contact_state_planner/plan_scenario', Trigger)
 CONTACT_PLAN = Topic('contact_state_planner/contact_plan', String, LATCHED)
 PLANNER_STATUS = Topic('contact_state_planner/status', DiagnosticStatus, LATCHED)
+FACE_MAP = Topic('contact_state_planner/map', String, LATCHED)
 
 GOAL = Topic('trajectory_generator/goal', GoalInfo, RELIABLE)
 CANCEL = Topic('trajectory_generator/cancel', GoalInfo, RELIABLE)
