@@ -86,6 +86,9 @@ def _draw_places(axes: Any, face_map: FaceMap) -> None:
         for r in face_map.refused
         if r['direction']
     ]
+    if not tried:
+        axes.axis('off')
+        return
     rows = sorted({(edge, direction) for edge, direction, _ in tried})
     columns = sorted({x for _, _, x in tried})
     bounds = np.full((len(rows), len(columns)), np.nan)
