@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.report.html.versions import versions
+from wholearm_ros.report.versions import versions
 from wholearm_ros.suite.suite_file import load_suite
 
 FORMAT = 'wholearm-bench/1'

@@ -24,12 +24,14 @@ if TYPE_CHECKING:
     from wholearm_ros.report.figures.figures import write_figures
     from wholearm_ros.report.html.write import write_report
     from wholearm_ros.report.run_view import view_of as view_run
+    from wholearm_ros.simulation.closed_loop import LoopOptions
     from wholearm_ros.simulation.closed_loop import run as simulate
     from wholearm_ros.simulation.factory import make_hand
     from wholearm_ros.simulation.outcome import outcome as judge
 
 __all__ = [
     'CommandWatchdog',
+    'LoopOptions',
     'PlanRequest',
     'draw_perturbation',
     'judge',
@@ -47,6 +49,7 @@ __all__ = [
 
 _HOMES = {
     'CommandWatchdog': ('control.command_watchdog', 'CommandWatchdog'),
+    'LoopOptions': ('simulation.closed_loop', 'LoopOptions'),
     'PlanRequest': ('planner.request', 'PlanRequest'),
     'draw_perturbation': ('model.perturbation', 'draw_perturbation'),
     'judge': ('simulation.outcome', 'outcome'),

@@ -26,8 +26,8 @@ RATE_STEP = 1e-7  # [s] over which Ṅ is differenced
 
 @dataclass(frozen=True)
 class Inputs:
-    """What the fingers are given: torque [N m] of `torque_finger` (LEFT or RIGHT), acceleration θ̈_V
-    [rad/s²] of the other one.
+    """What the fingers are given: torque [N m] of `torque_finger` (LEFT or RIGHT), acceleration
+    θ̈_V [rad/s²] of the other one.
     """
 
     torque_finger: int

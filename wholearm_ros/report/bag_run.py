@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from wholearm_ros.bag.reader import NANOSECONDS, Bag, planar_of, stamp_of, values_of
+from wholearm_ros.bag.reader import NANOSECONDS, Bag, Timed, planar_of, stamp_of, values_of
 from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import BagError
@@ -32,7 +32,6 @@ READ = (
 ESTIMATE_AGE = 0.1  # [s] up to which an estimate is shown
 SETTLE = 0.5  # [s] shown after the end
 RUNNING = ('quasi_static', 'dwell', 'dynamic', 'caging')
-Messages = list[tuple[int, object]]
 
 
 def read_bag(path: Path) -> tuple[ContactPlan, ManipulationTrajectory, RunView]:
@@ -59,13 +58,13 @@ def read_bag(path: Path) -> tuple[ContactPlan, ManipulationTrajectory, RunView]:
     return plan, trajectory, _view(path, heard, plan, trajectory, began)
 
 
-def _messages(path: Path) -> dict[str, Messages]:
+def _messages(path: Path) -> dict[str, Timed]:
     """(log time [ns], message) by topic, whatever the namespace."""
     with Bag(path.parent if path.suffix in ('.mcap', '.db3') else path) as bag:
         return bag.timed_messages(READ)
 
 
-def _began(heard: dict[str, Messages]) -> tuple[int, float]:
+def _began(heard: dict[str, Timed]) -> tuple[int, float]:
     """(log time [ns], stamp [s]) of the last run's first setpoint."""
     modes = [(when, message.data) for when, message in heard['mode_switcher/mode']]
     begins = [
@@ -82,7 +81,7 @@ def _began(heard: dict[str, Messages]) -> tuple[int, float]:
 
 def _view(
     path: Path,
-    heard: dict[str, Messages],
+    heard: dict[str, Timed],
     plan: ContactPlan,
     trajectory: ManipulationTrajectory,
     began: tuple[int, float],
@@ -99,17 +98,9 @@ def _view(
     start = _trajectory_start(heard, began[1], over)
     stamps, times = joints[:, 0], joints[:, 0] - start
     poses, known = _poses(heard['object_pose'], stamps, plan.scenario)
-    reason = (
-        ''
-        if result.get('outcome') == 'succeeded'
-        else result.get('reason', 'the bag ends before the run does')
-    )
-    modes = _modes(
-        trajectory,
-        times,
-        STOPPED if reason and result else '',
-        over - start,
-    )
+    succeeded = result.get('outcome') == 'succeeded'
+    reason = '' if succeeded else result.get('reason', 'the bag ends before the run does')
+    modes = _modes(trajectory, times, STOPPED if reason and result else '', over - start)
     judged = None
     if known:
         nothing = np.zeros_like(poses)
@@ -142,7 +133,7 @@ def _view(
     )
 
 
-def _trajectory_start(heard: dict[str, Messages], began: float, over: float) -> float:
+def _trajectory_start(heard: dict[str, Timed], began: float, over: float) -> float:
     """The stamp [s] at which the trajectory's time is zero, as the mode switcher says; in bags of
     before it said so, a ramp of the default length after the first setpoint.
     """
@@ -156,7 +147,7 @@ def _trajectory_start(heard: dict[str, Messages], began: float, over: float) -> 
 
 def _modes(
     trajectory: ManipulationTrajectory, times: np.ndarray, stopped: str, over: float
-) -> tuple:
+) -> tuple[str, ...]:
     """The switch follows the trajectory's clock, so its modes follow from the time; a stop is told
     in the result.
     """
@@ -169,7 +160,8 @@ def _modes(
     return tuple(str(name) for name in names)
 
 
-def _result(heard: dict[str, Messages], began: float) -> dict[str, Any]:
+def _result(heard: dict[str, Timed], began: float) -> dict[str, str]:
+    """Of the run that began at a stamp [s]; empty when the bag ends before it."""
     for _, message in reversed(heard['trajectory_generator/result']):
         values = values_of(message)
         if float(values.get('stamp', 0) or 0) / 1e9 >= began:
@@ -177,7 +169,7 @@ def _result(heard: dict[str, Messages], began: float) -> dict[str, Any]:
     return {}
 
 
-def _joints(messages: Messages) -> np.ndarray:
+def _joints(messages: Timed) -> np.ndarray:
     """(m, 7) stamp, angles, velocities, efforts, left then right; equal stamps once."""
     rows = {}
     for _, m in messages:
@@ -188,7 +180,7 @@ def _joints(messages: Messages) -> np.ndarray:
     return np.array([rows[stamp] for stamp in sorted(rows)])
 
 
-def _poses(messages: Messages, stamps: np.ndarray, scenario: Scenario) -> tuple[np.ndarray, bool]:
+def _poses(messages: Timed, stamps: np.ndarray, scenario: Scenario) -> tuple[np.ndarray, bool]:
     """(m, 3) at `stamps`, the rotation continuous from the scenario's start; and whether there are
     any.
     """
@@ -202,7 +194,7 @@ def _poses(messages: Messages, stamps: np.ndarray, scenario: Scenario) -> tuple[
     return np.column_stack([np.interp(stamps, kept, poses[:, k]) for k in range(3)]), True
 
 
-def _estimates(messages: Messages, stamps: np.ndarray) -> np.ndarray | None:
+def _estimates(messages: Timed, stamps: np.ndarray) -> np.ndarray | None:
     """(m, 3) at `stamps`, each the newest of then, NaN where that is older than ESTIMATE_AGE.
 
     None when there are none.
@@ -217,7 +209,7 @@ def _estimates(messages: Messages, stamps: np.ndarray) -> np.ndarray | None:
     return np.where(old[:, None], np.nan, poses)
 
 
-def _facts(path: Path, heard: dict[str, Messages], began: tuple[int, float]) -> dict[str, Any]:
+def _facts(path: Path, heard: dict[str, Timed], began: tuple[int, float]) -> dict[str, Any]:
     facts = {'source': f'bag {Path(path).name}'}
     for _, message in heard['contact_state_planner/status'][::-1]:
         values = values_of(message)
@@ -237,5 +229,5 @@ def _facts(path: Path, heard: dict[str, Messages], began: tuple[int, float]) -> 
 
 
 def _stamp(message: Any) -> float:
-    """[s]"""
+    """[s]."""
     return stamp_of(message) / NANOSECONDS

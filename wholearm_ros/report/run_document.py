@@ -3,6 +3,7 @@ simulate --run` writes it.
 """
 
 import json
+from typing import Any
 
 import numpy as np
 
@@ -12,8 +13,8 @@ from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.report.html.versions import versions
 from wholearm_ros.report.run_view import RunView, view_of
+from wholearm_ros.report.versions import versions
 from wholearm_ros.simulation.closed_loop import RunRecord
 
 FORMAT = 'wholearm-run/1'
@@ -22,7 +23,10 @@ DIGITS = 7  # of what is written
 
 
 def run_document(
-    plan: ContactPlan, trajectory: ManipulationTrajectory, record: RunRecord, facts: dict
+    plan: ContactPlan,
+    trajectory: ManipulationTrajectory,
+    record: RunRecord,
+    facts: dict[str, Any],
 ) -> str:
     """facts: name → text, shown in the report."""
     run = {name: np.round(getattr(record, name), DIGITS).tolist() for name in ARRAYS}
@@ -46,18 +50,23 @@ def read_run_document(text: str) -> tuple[ContactPlan, ManipulationTrajectory, R
     """Raises DocumentError when it is damaged."""
     try:
         d = json.loads(text)
-        plan, trajectory = (
-            kind.from_json(json.dumps(d[name]))
-            for kind, name in ((ContactPlan, 'plan'), (ManipulationTrajectory, 'trajectory'))
-        )
+        plan = ContactPlan.from_json(json.dumps(d['plan']))
+        trajectory = ManipulationTrajectory.from_json(json.dumps(d['trajectory']))
         columns = [np.array(d['run'][name], dtype=float) for name in ARRAYS]
-        if len({len(column) for column in columns} | {len(d['modes'])}) != 1 or len(d['modes']) < 2:
+        times, angles, velocities, efforts, poses, object_velocities = columns
+        lengths = {len(d['modes']), *map(len, columns)}
+        if len(lengths) != 1 or len(d['modes']) < 2:
             raise DocumentError(
                 'run document: its arrays differ in length; '
                 'allowed: one row a period in each, two at least'
             )
         record = RunRecord(
-            *columns,
+            times,
+            angles,
+            velocities,
+            efforts,
+            poses,
+            object_velocities,
             tuple(d['modes']),
             d['reason'],
             parse_scenario(d['truth'], 'run document'),

@@ -33,10 +33,10 @@ class RunView:
     velocities: np.ndarray
     efforts: np.ndarray
     poses: np.ndarray
-    modes: tuple
-    judged: Outcome = None
+    modes: tuple[str, ...]
+    judged: Outcome | None = None
     reason: str = ''
-    facts: dict = field(default_factory=dict)
+    facts: dict[str, Any] = field(default_factory=dict)
     estimates: np.ndarray | None = None
 
     def __post_init__(self) -> None:
@@ -56,7 +56,7 @@ def view_of(
     record: RunRecord,
     scenario: Scenario,
     controls: ControlOptions = ControlOptions(),
-    facts: dict = None,
+    facts: dict[str, Any] | None = None,
 ) -> RunView:
     """The view of a run made without ROS; its first row is where the mode switch began."""
     started = next((k for k, mode in enumerate(record.modes) if mode != IDLE), 0)
@@ -91,8 +91,9 @@ class Controlled:
 
     @property
     def angle_error(self) -> np.ndarray:
-        """(m,) [rad]"""
-        return self.angle - self.planned_angle
+        """(m,) [rad]."""
+        error: np.ndarray = self.angle - self.planned_angle
+        return error
 
 
 def controlled(trajectory: ManipulationTrajectory, run: RunView) -> Controlled:
@@ -105,9 +106,8 @@ def controlled(trajectory: ManipulationTrajectory, run: RunView) -> Controlled:
     sign = np.array(CLOSING)[t_side]
     planned, planned_angles = setpoints_at(trajectory, run.times)
     held = np.clip(run.times, 0.0, trajectory.duration)
-    first = np.array([s.start for s in segments])[
-        place
-    ]  # the sample where two segments meet belongs to neither's range
+    # The sample where two segments meet belongs to neither's range.
+    first = np.array([s.start for s in segments])[place]
     at = np.maximum(
         (held / trajectory.period + 1e-6).astype(int),
         (first / trajectory.period + 1e-6).astype(int) + 1,
@@ -129,7 +129,9 @@ def controlled(trajectory: ManipulationTrajectory, run: RunView) -> Controlled:
     )
 
 
-def setpoints_at(trajectory: ManipulationTrajectory, times: np.ndarray) -> tuple:
+def setpoints_at(
+    trajectory: ManipulationTrajectory, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(efforts (k, 2) [N m], angles (k, 2) [rad]) as ManipulationTrajectory.sample gives them, for
     many instants.
     """
@@ -137,12 +139,11 @@ def setpoints_at(trajectory: ManipulationTrajectory, times: np.ndarray) -> tuple
     efforts = np.column_stack(
         [np.interp(held, trajectory.times, trajectory.efforts[:, k]) for k in range(2)]
     )
-    return efforts, CubicHermiteSpline(trajectory.times, trajectory.angles, trajectory.velocities)(
-        held
-    )
+    angles = CubicHermiteSpline(trajectory.times, trajectory.angles, trajectory.velocities)
+    return efforts, angles(held)
 
 
-def errors(trajectory: ManipulationTrajectory, run: RunView) -> dict[str, Any]:
+def errors(trajectory: ManipulationTrajectory, run: RunView) -> dict[str, tuple[float, str]]:
     """name → (value, unit) of a run's accuracy, over the time of the trajectory."""
     shown = (run.times >= 0.0) & (run.times <= trajectory.duration)
     if not shown.any():

@@ -1,8 +1,7 @@
 """The run as an animated GIF, drawn with Pillow."""
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -23,13 +22,37 @@ from wholearm_ros.report.figures.palette import (
 )
 from wholearm_ros.report.run_view import RunView
 
-WIDTH, BAND, FINE = (
-    480,
-    26,
-    2,
-)  # [pixel] of the picture, of the mode band; how much finer it is drawn than shown
+WIDTH, BAND = 480, 26  # [pixel] of the picture, of the mode band
+FINE = 2  # how much finer it is drawn than shown
 RATE, HOLD = 20, 1.2  # [1/s] frames; [s] at the end before it begins again
 COLOURS = 64
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The picture as it is drawn. scale [pixel/m]; left, bottom [m] of what is seen; size
+    [pixel].
+    """
+
+    scale: float
+    left: float
+    bottom: float
+    size: tuple[int, int]
+
+    def put(self, points: np.ndarray) -> list[tuple[float, float]]:
+        """Pixels of points (k, 2) [m]."""
+        scale, height = self.scale, self.size[1]
+        return [(scale * (x - self.left), height - scale * (y - self.bottom)) for x, y in points]
+
+
+@dataclass(frozen=True, eq=False)
+class Instant:
+    """What was executed at a time [s]: pose (3,) [m, m, rad], angles (2,) [rad], mode."""
+
+    time: float
+    pose: np.ndarray
+    angles: np.ndarray
+    mode: str
 
 
 def write_animation(
@@ -48,65 +71,48 @@ def write_animation(
 
 def draw_frames(
     plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView, times: np.ndarray
-) -> list:
-    """One RGB image an instant."""
+) -> list[Image.Image]:
+    """One RGB image for each of `times` (k,) [s]."""
     scenario, poses, angles = plan.scenario, run.pose_at(times), run.angles_at(times)
-    box = view_box(scenario, poses, angles)
-    scale = FINE * WIDTH / (box[1] - box[0])
-    size = FINE * WIDTH, int(scale * (box[3] - box[2])) // (2 * FINE) * (2 * FINE) + FINE * BAND
-
-    def put(points: np.ndarray) -> Any:
-        return [(scale * (x - box[0]), size[1] - scale * (y - box[2])) for x, y in points]
-
+    left, right, bottom, top = view_box(scenario, poses, angles)
+    scale = FINE * WIDTH / (right - left)
+    height = int(scale * (top - bottom)) // (2 * FINE) * (2 * FINE) + FINE * BAND
+    frame = Frame(scale, left, bottom, (FINE * WIDTH, height))
     places = np.searchsorted(run.times, times, side='right') - 1
     return [
-        _frame(size, put, scenario, trajectory, t, pose, pair, run.modes[max(k, 0)])
+        _drawn(frame, scenario, trajectory, Instant(t, pose, pair, run.modes[max(k, 0)]))
         for t, pose, pair, k in zip(times, poses, angles, places)
     ]
 
 
-def _frame(
-    size: tuple[int, int],
-    put: Callable[[Any], Any],
-    scenario: Scenario,
-    trajectory: ManipulationTrajectory,
-    t: float,
-    pose: np.ndarray,
-    angles: np.ndarray,
-    mode: str,
+def _drawn(
+    frame: Frame, scenario: Scenario, trajectory: ManipulationTrajectory, now: Instant
 ) -> Image.Image:
-    image = Image.new('RGB', size, 'white')
-    pen = ImageDraw.Draw(image)
-    at = int(np.clip(round(t / trajectory.period), 0, len(trajectory.angles) - 1))
+    image = Image.new('RGB', frame.size, 'white')
+    pen, put, width = ImageDraw.Draw(image), frame.put, frame.size[0]
+    at = int(np.clip(round(now.time / trajectory.period), 0, len(trajectory.angles) - 1))
     pen.line(put(scenario.palm.vertices), fill=PALM, width=4 * FINE)
-    for outline, colour in zip(hand_outlines(scenario, angles), SIDE_COLOURS):
+    for outline, colour in zip(hand_outlines(scenario, now.angles), SIDE_COLOURS):
         pen.polygon(put(outline), fill=_pale(colour), outline=colour, width=FINE)
-    if np.isfinite(pose).all():
-        pen.polygon(
-            put(object_outline(scenario, pose)), fill=OBJECT, outline=OBJECT_EDGE, width=FINE
-        )
+    if np.isfinite(now.pose).all():
+        outline = object_outline(scenario, now.pose)
+        pen.polygon(put(outline), fill=OBJECT, outline=OBJECT_EDGE, width=FINE)
     for outline in (
         object_outline(scenario, trajectory.poses[at]),
         *hand_outlines(scenario, trajectory.angles[at]),
     ):
         pen.polygon(put(outline), outline=PLANNED, width=max(1, FINE // 2))
     for finger in (scenario.hand.left, scenario.hand.right):
-        (x, y), r = put([finger.axis])[0], 4 * FINE
+        (x, y), r = put(finger.axis[None])[0], 4 * FINE
         pen.ellipse((x - r, y - r, x + r, y + r), fill=INK)
-    pen.rectangle((0, 0, size[0], FINE * BAND), fill=MODE_COLOURS.get(mode, '#ffffff'))
+    pen.rectangle((0, 0, width, FINE * BAND), fill=MODE_COLOURS.get(now.mode, '#ffffff'))
     font = ImageFont.load_default(FINE * BAND * 0.55)
-    pen.text(
-        (8 * FINE, FINE * BAND / 2), MODE_NAMES.get(mode, mode), fill=INK, font=font, anchor='lm'
-    )
-    pen.text(
-        (size[0] - 8 * FINE, FINE * BAND / 2),
-        f'{max(t, 0.0):.2f} s',
-        fill=INK,
-        font=font,
-        anchor='rm',
-    )
-    return image.resize((size[0] // FINE, size[1] // FINE), Image.Resampling.LANCZOS)
+    middle, name, time = FINE * BAND / 2, MODE_NAMES.get(now.mode, now.mode), max(now.time, 0.0)
+    pen.text((8 * FINE, middle), name, fill=INK, font=font, anchor='lm')
+    pen.text((width - 8 * FINE, middle), f'{time:.2f} s', fill=INK, font=font, anchor='rm')
+    return image.resize((width // FINE, frame.size[1] // FINE), Image.Resampling.LANCZOS)
 
 
-def _pale(colour: str) -> tuple:
-    return tuple(int(0.45 * int(colour[k : k + 2], 16) + 0.55 * 255) for k in (1, 3, 5))
+def _pale(colour: str) -> tuple[int, int, int]:
+    red, green, blue = (int(0.45 * int(colour[k : k + 2], 16) + 0.55 * 255) for k in (1, 3, 5))
+    return red, green, blue

@@ -23,11 +23,8 @@ from wholearm_ros.report.figures.palette import (
 )
 from wholearm_ros.report.run_view import RunView
 
-WIDTH, COLUMNS, NORMAL = (
-    2.4,
-    4,
-    0.022,
-)  # [inch] of a frame; frames in a row; [m] of a contact normal
+WIDTH, COLUMNS = 2.4, 4  # [inch] of a frame; frames in a row
+NORMAL = 0.022  # [m] at which a contact normal is drawn
 
 
 def draw_film(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> Figure:
@@ -94,9 +91,8 @@ def _frame(
             linewidths=0.8,
         )
     )
-    axes.scatter(
-        *np.array([scenario.hand.left.axis, scenario.hand.right.axis]).T, s=9, color=INK, zorder=5
-    )
+    x, y = np.array([scenario.hand.left.axis, scenario.hand.right.axis]).T
+    axes.scatter(x, y, s=9, color=INK, zorder=5)
     if np.isfinite(pose).all():
         axes.add_collection(
             PolyCollection(
@@ -112,8 +108,5 @@ def _frame(
             planned, facecolors='none', edgecolors=PLANNED, linewidths=1.0, linestyles='--'
         )
     )
-    axes.add_collection(
-        LineCollection(
-            np.stack([points, points + NORMAL * normals], axis=1), colors=INK, linewidths=2.2
-        )
-    )
+    marks = list(np.stack([points, points + NORMAL * normals], axis=1))
+    axes.add_collection(LineCollection(marks, colors=INK, linewidths=2.2))

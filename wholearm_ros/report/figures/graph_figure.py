@@ -1,11 +1,12 @@
 """Figure 6: the contact-state transition graph."""
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
@@ -28,51 +29,73 @@ HEADER = 0.2  # [inch] above it, for its number and direction
 GAP_X, GAP_Y = 0.36, 0.16
 NORMAL = 0.024  # [m] length at which a contact normal is drawn
 MARGIN = np.array([0.045, 0.02])  # [m] seen around the object
-Box = tuple[float, float, float, float]  # left, right, bottom, top [m]
 ROTATION = {1: '↺', -1: '↻', 0: ''}
+Place = tuple[float, float]  # x to the right, y downwards [inch]
 
 
-def draw_graph(plan: ContactPlan, layout: GraphLayout = None) -> Figure:
+@dataclass(frozen=True)
+class Cell:
+    """What is seen in the drawing of every subgoal: left, right, bottom, top [m]."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    @property
+    def scale(self) -> float:
+        """[inch/m]."""
+        return CELL / (self.right - self.left)
+
+    @property
+    def tall(self) -> float:
+        """[inch] with its header."""
+        return self.scale * (self.top - self.bottom) + HEADER
+
+    def put(self, points: np.ndarray, place: Place) -> np.ndarray:
+        """(k, 2) [inch] of points (k, 2) [m] in the drawing whose upper left corner is `place`."""
+        across = place[0] + (points[:, 0] - self.left) * self.scale
+        return np.column_stack([across, place[1] + HEADER + (self.top - points[:, 1]) * self.scale])
+
+
+def draw_graph(plan: ContactPlan, layout: GraphLayout | None = None) -> Figure:
     """Subgoals as small drawings, reachable ones joined, the route from X_init to X_goal thick and
     red.
     """
     layout = layout or lay_out(plan)
-    aspect, box = _cell(plan, layout)
-    width = layout.columns * (CELL + GAP_X) + 0.3
-    tall = CELL * aspect + HEADER
-    height = layout.rows * (tall + GAP_Y) + 0.7
-    figure = new_figure(max(width, 6.0), height)
-    axes = figure.add_axes([0, 0, 1, 1], xlim=(0, max(width, 6.0)), ylim=(height, 0))
+    cell = _cell(plan, layout)
+    width = max(layout.columns * (CELL + GAP_X) + 0.3, 6.0)
+    height = layout.rows * (cell.tall + GAP_Y) + 0.7
+    figure = new_figure(width, height)
+    axes = figure.add_axes((0, 0, 1, 1), xlim=(0, width), ylim=(height, 0))
     axes.axis('off')
     places = {
-        n: (0.25 + c * (CELL + GAP_X), 0.6 + r * (tall + GAP_Y))
+        n: (0.25 + c * (CELL + GAP_X), 0.6 + r * (cell.tall + GAP_Y))
         for n, (c, r) in layout.cells.items()
     }
-    _edges(axes, layout, places, tall)
+    _edges(axes, layout, places, cell.tall)
     for subgoal in plan.subgoals:
         if subgoal.number in places:
-            _subgoal(axes, plan, subgoal, layout, places[subgoal.number], aspect, box)
+            _subgoal(axes, plan.scenario, subgoal, layout, places[subgoal.number], cell)
     axes.text(0.25, 0.3, _caption(plan, layout), fontsize=9, va='center', color=INK)
     return figure
 
 
-def _cell(plan: ContactPlan, layout: GraphLayout) -> tuple[float, Box]:
-    """(height / width of a cell, what is seen in it: (left, right, bottom, top) [m]): the object's
-    reach and a margin.
-    """
+def _cell(plan: ContactPlan, layout: GraphLayout) -> Cell:
+    """The object's reach and a margin."""
     poses = [s.configuration[:3] for s in plan.subgoals if s.number in layout.cells]
     points = np.vstack([object_outline(plan.scenario, pose) for pose in poses])
     (left, bottom), (right, top) = points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
-    return (top - bottom) / (right - left), (left, right, bottom, top)
+    return Cell(left, right, bottom, top)
 
 
-def _edges(
-    axes: Axes, layout: GraphLayout, places: dict[int, tuple[float, float]], tall: float
-) -> None:
+def _edges(axes: Axes, layout: GraphLayout, places: dict[int, Place], tall: float) -> None:
     """Right-angled lines; those that start from different subgoals of a column turn at different
     places.
     """
-    lines, thick, lanes = [], [], _lanes(layout)
+    lines: list[list[Place]] = []
+    thick: list[list[Place]] = []
+    lanes = _lanes(layout)
     for a, b, on_route in layout.edges:
         (x0, y0), (x1, y1) = places[a], places[b]
         turn, ya, yb = x0 + CELL + GAP_X * lanes[a], y0 + tall / 2, y1 + tall / 2
@@ -81,11 +104,11 @@ def _edges(
     axes.add_collection(LineCollection(thick, colors=PLANNED, linewidths=3.2, zorder=2))
 
 
-def _lanes(layout: GraphLayout) -> dict[str, Any]:
+def _lanes(layout: GraphLayout) -> dict[int, float]:
     """Share of the gap behind a column at which the lines of each subgoal in it turn, the lowest
     subgoal's first.
     """
-    columns = {}
+    columns: dict[int, list[int]] = {}
     for a in dict.fromkeys(a for a, _, _ in layout.edges):
         columns.setdefault(layout.cells[a][0], []).append(a)
     return {
@@ -97,19 +120,18 @@ def _lanes(layout: GraphLayout) -> dict[str, Any]:
 
 def _subgoal(
     axes: Axes,
-    plan: ContactPlan,
+    scenario: Scenario,
     subgoal: Subgoal,
     layout: GraphLayout,
-    place: tuple[float, float],
-    aspect: float,
-    box: Box,
+    place: Place,
+    cell: Cell,
 ) -> None:
     x, y = place
     on_route = subgoal.number in layout.route
     frame = FancyBboxPatch(
         (x, y),
         CELL,
-        CELL * aspect + HEADER,
+        cell.tall,
         boxstyle='round,pad=0,rounding_size=0.05',
         facecolor='white',
         edgecolor=PLANNED if on_route else '#9a9a9a',
@@ -118,15 +140,7 @@ def _subgoal(
     )
     frame.set_gid(f'subgoal-{subgoal.number}')
     axes.add_patch(frame)
-    scale = CELL / (box[1] - box[0])
-
-    def put(points: np.ndarray) -> Any:
-        points = np.asarray(points)
-        return np.column_stack(
-            [x + (points[:, 0] - box[0]) * scale, y + HEADER + (box[3] - points[:, 1]) * scale]
-        )
-
-    for artist in _drawing(plan.scenario, subgoal, put):
+    for artist in _drawing(scenario, subgoal, partial(cell.put, place=place)):
         artist.set_clip_path(frame)
         axes.add_artist(artist)
     axes.text(
@@ -153,7 +167,7 @@ def _subgoal(
     if layout.hidden.get(subgoal.number):
         axes.text(
             x + CELL + 0.03,
-            y + HEADER + CELL * aspect - 0.03,
+            y + cell.tall - 0.03,
             f'+{layout.hidden[subgoal.number]}',
             fontsize=6.5,
             zorder=8,
@@ -161,7 +175,10 @@ def _subgoal(
         )
 
 
-def _drawing(scenario: Scenario, subgoal: Subgoal, put: Callable[[Any], Any]) -> list[Any]:
+def _drawing(
+    scenario: Scenario, subgoal: Subgoal, put: Callable[[np.ndarray], np.ndarray]
+) -> list[Collection]:
+    """Palm, fingers, object and contact normals, on top of each other in this order."""
     q = subgoal.configuration
     points, normals = contact_marks(scenario, q, subgoal.contacts)
     ends = np.stack([points, points + NORMAL * normals], axis=1).reshape(-1, 2)
@@ -182,7 +199,7 @@ def _drawing(scenario: Scenario, subgoal: Subgoal, put: Callable[[Any], Any]) ->
             zorder=6,
         ),
         LineCollection(
-            put(ends).reshape(-1, 2, 2), colors=INK, linewidths=2.2, capstyle='butt', zorder=7
+            list(put(ends).reshape(-1, 2, 2)), colors=INK, linewidths=2.2, capstyle='butt', zorder=7
         ),
     ]
 

@@ -24,7 +24,7 @@ def planned_spans(trajectory: ManipulationTrajectory) -> list[Span]:
 
 def merged(spans: Iterable[Span]) -> list[Span]:
     """Neighbours of the same mode as one."""
-    result = []
+    result: list[Span] = []
     for start, end, mode in spans:
         if result and result[-1][2] == mode:
             result[-1] = (result[-1][0], end, mode)
@@ -40,7 +40,7 @@ def key_instants(
     at least `apart`, long stretches halved while there is room.
     """
     changes = [s.start for s in trajectory.segments if s.end - s.start > apart]
-    instants = []
+    instants: list[float] = []
     for t in sorted({0.0, *changes, *(a for a, _, _ in planned_spans(trajectory))}):
         if not instants or t - instants[-1] >= apart:
             instants.append(t)

@@ -10,13 +10,13 @@ from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import closed_pairs, pair_from_name, pair_name
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import SIDES, Finger
+from wholearm_ros.model.polygon import rotated
 from wholearm_ros.model.scenario import Scenario
 
 MARGIN = 0.012  # [m] left free around what is shown
 TOUCH = 6e-4  # [m] gap below which a contact is drawn; PyBullet's own gaps are about half of it
-PROBE = (
-    2e-3  # [m] along a normal: whoever pushes the object is outside of it, what is pushed is inside
-)
+# [m] along a normal: whoever pushes the object is outside of it, what is pushed is inside.
+PROBE = 2e-3
 
 
 def finger_outline(finger: Finger, theta: float) -> np.ndarray:
@@ -29,12 +29,13 @@ def finger_outline(finger: Finger, theta: float) -> np.ndarray:
 
 def object_outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
     """(n, 2) vertices of the object at `pose` (3,)."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    return scenario.object.polygon.vertices_about_centroid @ np.array([[c, s], [-s, c]]) + pose[:2]
+    vertices = scenario.object.polygon.vertices_about_centroid
+    outline: np.ndarray = rotated(vertices, pose[2]) + pose[:2]
+    return outline
 
 
-def hand_outlines(scenario: Scenario, angles: Sequence[float]) -> list:
-    """Both fingers, (4, 2) each, left then right."""
+def hand_outlines(scenario: Scenario, angles: np.ndarray) -> list[np.ndarray]:
+    """Both fingers at `angles` (2,) [rad], (4, 2) each, left then right."""
     return [finger_outline(scenario.hand[side], angles[side]) for side in range(len(SIDES))]
 
 
@@ -85,13 +86,10 @@ def view_box(
     Of a fallen object only what is near the hand is kept.
     """
     step = max(1, len(poses) // 40)
-    points = [object_outline(scenario, pose) for pose in poses[::step] if np.isfinite(pose).all()]
-    points += [
-        outline
-        for pair in angles[:: max(1, len(angles) // 40)]
-        for outline in hand_outlines(scenario, pair)
-    ]
-    points = np.vstack(points)
+    outlines = [object_outline(scenario, pose) for pose in poses[::step] if np.isfinite(pose).all()]
+    for pair in angles[:: max(1, len(angles) // 40)]:
+        outlines += hand_outlines(scenario, pair)
+    points = np.vstack(outlines)
     reach = max(f.length for f in (scenario.hand.left, scenario.hand.right))
     axes = np.array([scenario.hand.left.axis, scenario.hand.right.axis])
     low = np.maximum(points.min(axis=0), axes.min(axis=0) - reach) - MARGIN

@@ -1,7 +1,6 @@
 """What a search reached: the start, every place where it had the object, and what stopped it."""
 
 import textwrap
-from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
@@ -9,6 +8,7 @@ from matplotlib.figure import Figure
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.mechanics.contacts import start_configuration
+from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.goal import goal_region
 from wholearm_ros.model.orientation import start_rotation
 from wholearm_ros.model.plan import ContactPlan
@@ -27,6 +27,7 @@ from wholearm_ros.report.figures.palette import (
 WIDTH, TEXT = 6.5, 1.1  # [inch] of the figure; above the drawing, for the words
 COLUMNS = 95  # of the reason
 REACHED = '#9a9a9a'
+NOWHERE = readonly(np.empty((0, 3)))
 
 
 def draw_search(plan: ContactPlan) -> Figure:
@@ -36,10 +37,10 @@ def draw_search(plan: ContactPlan) -> Figure:
     return draw_reached(plan.scenario, f'{words}: {plan.reason}', reached)
 
 
-def draw_reached(scenario: Scenario, words: str, reached: Sequence[np.ndarray] = ()) -> Figure:
-    """The start filled, the goal's rotation dashed, `reached`: (3,) poses of the object thin."""
+def draw_reached(scenario: Scenario, words: str, reached: np.ndarray = NOWHERE) -> Figure:
+    """The start filled, the goal's rotation dashed, the object at `reached` (k, 3) thin."""
     q = _start(scenario)
-    poses = np.vstack([q[None, :3], *(np.reshape(pose, (1, 3)) for pose in reached)])
+    poses = np.vstack([q[None, :3], reached])
     goal = _goal_pose(scenario, poses)
     box = view_box(scenario, np.vstack([poses, goal]), q[None, 3:])
     height = WIDTH * (box[3] - box[2]) / (box[1] - box[0])

@@ -8,18 +8,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from wholearm_ros.model.hand import SIDES
-from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.model.trajectory import MODES, ManipulationTrajectory
 from wholearm_ros.report.figures.canvas import new_figure
 from wholearm_ros.report.figures.mode_spans import executed_spans, merged, planned_spans
 from wholearm_ros.report.figures.palette import EXECUTED, INK, MODE_COLOURS, MODE_NAMES, PLANNED
 from wholearm_ros.report.run_view import Controlled, RunView, controlled
 
-MODES = (
-    'quasi_static',
-    'dwell',
-    'dynamic',
-    'caging',
-)  # named beside the title: the shortest stretches have no room for it
 NARROW = 0.035  # share of the width below which a mode's name is left out of its band
 
 
@@ -41,6 +35,7 @@ def draw_times(trajectory: ManipulationTrajectory, run: RunView, title: str = ''
     bands.set_xlim(*span)
     error.set_xlabel('time along the trajectory [s]')
     bands.set_title(title, fontsize='medium', loc='left')
+    # The modes are named beside the title: the shortest stretches have no room for it.
     bands.legend(
         handles=[Patch(facecolor=MODE_COLOURS[mode], label=MODE_NAMES[mode]) for mode in MODES],
         fontsize=7,
@@ -62,7 +57,7 @@ def _bands(
 ) -> None:
     """Three rows: the mode planned, the mode executed, the finger that is torque-controlled."""
     fingers = merged(
-        (a, b, int(s))
+        (a, b, SIDES[s])
         for a, b, s in zip(run.times, [*run.times[1:], run.times[-1]], both.torque_side)
     )
     rows = (planned_spans(trajectory), executed_spans(run), fingers)
@@ -72,13 +67,12 @@ def _bands(
             axes.broken_barh(
                 [(start, end - start)], (-row, 0.86), facecolor=colour, edgecolor='#777777', lw=0.4
             )
-            if end - start > NARROW * len(str(MODE_NAMES.get(what, 'right'))) / 5 * (
-                span[1] - span[0]
-            ):
+            name = MODE_NAMES.get(what, what)
+            if end - start > NARROW * len(name) / 5 * (span[1] - span[0]):
                 axes.text(
                     (start + end) / 2,
                     0.4 - row,
-                    MODE_NAMES.get(what) or SIDES[what],
+                    name,
                     ha='center',
                     va='center',
                     fontsize=7,
@@ -129,7 +123,7 @@ def _torque(axes: Axes, run: RunView, both: Controlled) -> None:
     )
 
 
-def torque_window(both: Controlled) -> tuple:
+def torque_window(both: Controlled) -> tuple[float, float, str]:
     """(bottom, top [N m], what is beyond): the torques that occur fill the picture, not the ends of
     the range.
     """
@@ -138,11 +132,8 @@ def torque_window(both: Controlled) -> tuple:
     bottom, top = float(used.min()), float(used.max())
     span = max(top - bottom, 0.2)
     if not np.isfinite(high).any():
-        return (
-            bottom - 0.1 * span,
-            top + 0.2 * span,
-            'no quasi-static stretch, so no feasible range',
-        )
+        note = 'no quasi-static stretch, so no feasible range'
+        return bottom - 0.1 * span, top + 0.2 * span, note
     highest = float(np.nanmax(high))
     window = top + max(0.6 * span, 0.4)
     if highest > window:

@@ -1,6 +1,7 @@
 """One self-contained HTML file: style, data and scripts inside, nothing from the network."""
 
 import json
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -48,7 +49,7 @@ def asset(name: str) -> str:
     return (ASSETS / name).read_text()
 
 
-def table(head: list, rows: list, kind: str = '') -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[Any]], kind: str = '') -> str:
     """Cells are text; what begins with a '<' kept as it is must come through `raw`."""
     top = ''.join(f'<th>{cell(c)}</th>' for c in head)
     lines = ''.join('<tr>' + ''.join(f'<td>{cell(c)}</td>' for c in row) + '</tr>' for row in rows)

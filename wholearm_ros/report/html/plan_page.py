@@ -9,7 +9,7 @@ from wholearm_ros.report.figures.canvas import svg_text
 from wholearm_ros.report.figures.graph_figure import draw_graph
 from wholearm_ros.report.figures.search_figure import draw_search
 from wholearm_ros.report.html.page import asset, facts, still_page
-from wholearm_ros.report.html.versions import versions
+from wholearm_ros.report.versions import versions
 
 
 def plan_page(plan: ContactPlan) -> str:

@@ -11,9 +11,9 @@ from wholearm_ros.report.figures.canvas import svg_text
 from wholearm_ros.report.figures.graph_figure import draw_graph
 from wholearm_ros.report.figures.palette import MODE_COLOURS, MODE_NAMES
 from wholearm_ros.report.html.page import asset, facts, page, raw, table
-from wholearm_ros.report.html.versions import versions
-from wholearm_ros.report.run_data import run_data
+from wholearm_ros.report.html.run_data import run_data
 from wholearm_ros.report.run_view import RunView, errors
+from wholearm_ros.report.versions import versions
 
 
 def run_page(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView) -> str:

@@ -20,9 +20,9 @@ KINDS = {
 }
 
 
-def suite_page(documents: list[dict]) -> str:
+def suite_page(documents: list[dict[str, Any]]) -> str:
     """documents: `wholearm-suite-result/1`, the first in the grid; several give success against
-    their perturbation.
+    their perturbation. Raises DocumentError when one is damaged.
     """
     try:
         first = documents[0]
@@ -45,7 +45,7 @@ def suite_page(documents: list[dict]) -> str:
     return page(f'Suite {first["suite"]}', body, data, 'suite.js')
 
 
-def success_interval(done: int, runs: int) -> tuple:
+def success_interval(done: int, runs: int) -> tuple[float, float]:
     """95 % Wilson interval of a share."""
     z, n = 1.96, max(runs, 1)
     middle = (done / n + z * z / (2 * n)) / (1 + z * z / n)
@@ -83,7 +83,7 @@ def _task(task: dict[str, Any]) -> dict[str, Any]:
     return {**kept, 'kind': _kind(task), 'run': _run(task)}
 
 
-def _run(task: dict[str, Any]) -> dict[str, Any]:
+def _run(task: dict[str, Any]) -> dict[str, Any] | None:
     """What the page needs to show the first run; None when there was none, or a result of before
     this was kept.
     """
@@ -150,7 +150,7 @@ def _jury(summary: dict[str, Any] | None) -> str:
     )
 
 
-def _options(documents: list) -> str:
+def _options(documents: list[dict[str, Any]]) -> str:
     names = ('suite', 'seed', 'perturb', 'draws', 'search', 'transition', 'backend', 'rate')
     rows = [
         [str(d[name]).rsplit('/', 1)[-1] if name == 'suite' else d[name] for name in names]

@@ -60,7 +60,7 @@ def run_data(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
     }
 
 
-def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict[str, Any]:
+def subgoal_times(plan: ContactPlan, trajectory: ManipulationTrajectory) -> dict[int, float]:
     """Number → time [s] at which the planned trajectory comes nearest to each subgoal of the route,
     in their order.
     """
@@ -79,7 +79,7 @@ def _estimates(run: RunView) -> np.ndarray:
     return np.full((len(run.times), 3), np.nan) if run.estimates is None else run.estimates
 
 
-def _touches(scenario: Scenario, run: RunView, rows: np.ndarray) -> list:
+def _touches(scenario: Scenario, run: RunView, rows: np.ndarray) -> list[Any]:
     """A row an instant: x, y, normal x, normal y of each contact, one after the other [mm, mm, 1,
     1].
     """
@@ -90,5 +90,6 @@ def _touches(scenario: Scenario, run: RunView, rows: np.ndarray) -> list:
     return result
 
 
-def _pose(poses: np.ndarray) -> list:
+def _pose(poses: np.ndarray) -> Any:
+    """A row a pose [mm, mm, °]."""
     return numbers(poses * [1e3, 1e3, 180.0 / np.pi], 3)
