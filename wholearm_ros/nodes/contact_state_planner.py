@@ -17,6 +17,7 @@ from std_srvs.srv import Trigger
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.mechanics.contacts import close_finger
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.choices import Search, Transition, values
 from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalAtPose, Scenario, StartAtPose
@@ -48,21 +49,21 @@ DECLARED = (
     ),
     Declared(
         'search',
-        'best',
+        PlanRequest.search,
         "best: widest margins first; random: the paper's",
-        choices=('best', 'random'),
+        choices=values(Search),
         read_only=False,
     ),
     Declared(
         'transition',
-        'auto',
+        PlanRequest.transition,
         'how torque ranges that do not overlap are crossed',
-        choices=('auto', 'dwell', 'dynamic'),
+        choices=values(Transition),
         read_only=False,
     ),
     Declared(
         'time_budget',
-        180.0,
+        PlanRequest.time_budget,
         'after which no further candidate is begun [s]',
         0.0,
         3600.0,

@@ -12,7 +12,9 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import String
 
-from wholearm_ros.estimation.claim import AT_GOAL, UNKNOWN, UNVERIFIED, Claim
+from wholearm_ros.estimation.claim import Claim
+from wholearm_ros.model import modes
+from wholearm_ros.model.outcomes import AT_GOAL, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.supervision import END, FEEL, MAX_ATTEMPTS, Decision, Supervision
@@ -51,7 +53,6 @@ WATCH_PERIOD = 0.1  # [s]
 PLANNER_WITHIN = 5.0  # [s] for which the planner's services may be out of sight
 SET_PARAMETERS = channels.Service('contact_state_planner/set_parameters', SetParameters)
 BUSY = 'busy'  # how the planner begins its answer while it plans
-PLANNING, EXECUTES, FEELING = 'planning', 'executing', 'feeling'
 TRACKING = (
     'tracking error'  # how the mode switch begins the one reason after which the hand may go on
 )
@@ -132,7 +133,7 @@ class Reorientation(WholeArmNode):
             reached = decision.outcome in (AT_GOAL, UNVERIFIED)
             self.end(SUCCEEDED if reached else ABORTED, decision.reason)
         elif decision.action == FEEL:
-            self.send(FEEL_GOAL, FEELING)
+            self.send(FEEL_GOAL, modes.FEELING)
         else:
             self.waiting, self.why_no_plan = list(decision.scenarios), ''
             self.plan_next()
@@ -143,7 +144,7 @@ class Reorientation(WholeArmNode):
             decision = self.supervision.no_plan(self.why_no_plan)
             self.end(ABORTED, decision.reason)
             return
-        self.phase, self.wanted = PLANNING, ''
+        self.phase, self.wanted = modes.PLANNING, ''
         self.publish_feedback({})
         self.unasked = json.dumps(scenario_to_dict(self.waiting.pop(0)))
         self.planner_seen = time.monotonic()
@@ -223,8 +224,8 @@ class Reorientation(WholeArmNode):
     def send_when_ready(self) -> None:
         """The generator's goal, as soon as plan and trajectory are those that were answered."""
         ready = self.wanted and self.plan_id.startswith(self.wanted)
-        if ready and self.trajectory_of == self.plan_id and self.phase == PLANNING:
-            self.send(to_goal_id(self.plan_id), EXECUTES)
+        if ready and self.trajectory_of == self.plan_id and self.phase == modes.PLANNING:
+            self.send(to_goal_id(self.plan_id), modes.EXECUTING)
 
     def send(self, goal: bytes, phase: str) -> None:
         """A goal for the generator."""
@@ -249,7 +250,7 @@ class Reorientation(WholeArmNode):
         if values.get('request_stamp', str(self.sent[1])) != str(self.sent[1]):
             return  # another client's rejection
         canceling = bool(self.goals.active and self.goals.active.status == CANCELING)
-        planned, self.sent, self.last = self.phase == EXECUTES, None, values
+        planned, self.sent, self.last = self.phase == modes.EXECUTING, None, values
         said = _claim(values)
         self.tries.append(_told(values, planned))
         if canceling or values.get('outcome') == 'canceled' or said is None:
@@ -264,9 +265,9 @@ class Reorientation(WholeArmNode):
         """A node that is gone answers no more."""
         if not self.goals.active:
             return
-        if self.phase == PLANNING:
+        if self.phase == modes.PLANNING:
             self.look_for_planner()
-        elif self.phase != PLANNING and not self.count_publishers(channels.RESULT.name):
+        elif self.phase != modes.PLANNING and not self.count_publishers(channels.RESULT.name):
             self.end(ABORTED, 'trajectory_generator is gone')
 
     # -- what is told
@@ -297,7 +298,7 @@ class Reorientation(WholeArmNode):
         """phase and attempt, and what the generator says while it executes."""
         values = {
             'phase': self.phase,
-            'attempt': self.supervision.attempts + (self.phase != FEELING),
+            'attempt': self.supervision.attempts + (self.phase != modes.FEELING),
             'max_attempts': self.supervision.max_attempts,
             'tries': json.dumps(self.tries),
             **{key: progress.get(key, '') for key in ('mode', 'progress', 'time_left')},

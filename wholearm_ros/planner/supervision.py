@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED, Claim
+from wholearm_ros.estimation.claim import Claim
+from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
 
 PLAN, FEEL, END = 'plan', 'feel', 'end'

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from wholearm_ros.bag.reader import NANOSECONDS, Bag, planar_of, stamp_of, values_of
-from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import BagError
 from wholearm_ros.model.hand import JOINT_NAMES
+from wholearm_ros.model.modes import DONE, PLANNED_MODES, STOPPED
 from wholearm_ros.model.orientation import start_rotation
+from wholearm_ros.model.outcomes import SUCCEEDED
 from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
@@ -31,7 +32,6 @@ READ = (
 )
 ESTIMATE_AGE = 0.1  # [s] up to which an estimate is shown
 SETTLE = 0.5  # [s] shown after the end
-RUNNING = ('quasi_static', 'dwell', 'dynamic', 'caging')
 Messages = list[tuple[int, object]]
 
 
@@ -71,7 +71,7 @@ def _began(heard: dict[str, Messages]) -> tuple[int, float]:
     begins = [
         when
         for k, (when, mode) in enumerate(modes)
-        if mode in RUNNING and (k == 0 or modes[k - 1][1] not in RUNNING)
+        if mode in PLANNED_MODES and (k == 0 or modes[k - 1][1] not in PLANNED_MODES)
     ]
     setpoints = heard['velocity_setpoint']
     first = 0
@@ -101,7 +101,7 @@ def _view(
     poses, known = _poses(heard['object_pose'], stamps, plan.scenario)
     reason = (
         ''
-        if result.get('outcome') == 'succeeded'
+        if result.get('outcome') == SUCCEEDED
         else result.get('reason', 'the bag ends before the run does')
     )
     modes = _modes(

@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from wholearm_ros.control.execution import PROBING, Execution
+from wholearm_ros.control.execution import Execution
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.estimation.claim import UNKNOWN, UNVERIFIED, Claim, claim, kept_to_plan
+from wholearm_ros.estimation.claim import Claim, claim, kept_to_plan
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_after
 from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.backends import DEFAULT_BACKEND
+from wholearm_ros.model.modes import PROBING
 from wholearm_ros.model.orientation import goal_rotation
+from wholearm_ros.model.outcomes import UNKNOWN, UNVERIFIED
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario
