@@ -1,18 +1,19 @@
-"""What the drives do with the commands they get, and without: brake, driven, hold, limp, stopped."""
+"""What the drives do with commands and without: brake, driven, hold, zero torque, stopped."""
 
 from typing import Optional
 
 import numpy as np
 
-BRAKE, DRIVEN, HOLD, LIMP, STOPPED = 'brake', 'driven', 'hold', 'limp', 'stopped'
+BRAKE, DRIVEN, HOLD = 'brake', 'driven', 'hold'
+ZERO_TORQUE, STOPPED = 'zero torque', 'stopped'
 
 
 class CommandWatchdog:
     """Watches over both joints' commands. Times are stamps [ns] of the hardware's own clock.
 
     brake: no command yet, the drives hold the fingers; driven: both commands fresh; hold: a command is older than
-    `timeout`, the drives hold the fingers where they are and take fresh commands again; limp: hold lasted `hold_time`,
-    zero torque until the reset; stopped: on request, the drives hold the fingers and take no command until the reset.
+    `timeout`, the drives hold the fingers where they are and take fresh commands again; zero torque: hold lasted
+    `hold_time`, until the reset; stopped: on request, the drives hold the fingers and take no command until the reset.
     """
 
     def __init__(self, limits, timeout: int, hold_time: int):
@@ -37,7 +38,7 @@ class CommandWatchdog:
 
     def command(self, joint: int, stamp: int, effort: float, now: int) -> bool:
         """Whether the command was taken: newer than the one before it and not from the future."""
-        if not self.newest[joint] < stamp <= now or self.state in (LIMP, STOPPED):
+        if not self.newest[joint] < stamp <= now or self.state in (ZERO_TORQUE, STOPPED):
             self.late += 1
             return False
         limit = self._limits[joint]
@@ -59,7 +60,7 @@ class CommandWatchdog:
         fresh = self.age(now) <= self._timeout and min(self.newest) >= self._since
         if self.state == STOPPED:
             return None
-        if self.state == LIMP:
+        if self.state == ZERO_TORQUE:
             return np.zeros(2)
         if fresh:
             self.state = DRIVEN
@@ -68,6 +69,6 @@ class CommandWatchdog:
             self.state, self._tripped_at = HOLD, now
             self.trips += 1
         if self.state == HOLD and now - self._tripped_at > self._hold_time:
-            self.state = LIMP
+            self.state = ZERO_TORQUE
             return np.zeros(2)
         return None
