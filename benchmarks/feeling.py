@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.estimation.claim import AT_GOAL, LOST, UNKNOWN
+from wholearm_ros.model.outcomes import AT_GOAL, LOST, UNKNOWN
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planner.legs import leg_of
 from wholearm_ros.planner.planner import plan_and_verify

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from wholearm_ros.model.trajectory import CAGING, DYNAMIC
+from wholearm_ros.model.modes import CAGING, DYNAMIC
 from wholearm_ros.report.bag_run import read_bag
 from wholearm_ros.report.figures.mode_spans import executed_spans
 

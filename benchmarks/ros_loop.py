@@ -37,7 +37,7 @@ class Bench:
             )
             own.update(
                 {'hold_time': 60.0} if node == 'hand_hardware' else {}
-            )  # stopped again and again, never limp
+            )  # stopped again and again, never at zero torque
             self.processes.start(node, own)
         self.client, self.said, self.modes = Client(watch=self.processes.check), {}, []
         node = self.client.node

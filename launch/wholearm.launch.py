@@ -18,27 +18,28 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from launch import LaunchDescription
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
+from wholearm_ros.model.choices import Pacing, Search, Storage, Transition, values
 
 ARGUMENTS = (
     ('scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'),
     ('namespace', 'wholearm', 'of every node'),
-    ('pacing', 'realtime', 'realtime or lockstep'),
+    ('pacing', Pacing.realtime.value, ' or '.join(values(Pacing))),
     ('rate', '1000.0', 'of the motors [Hz]'),
     ('backend', DEFAULT_BACKEND, ', '.join(BACKENDS)),
     ('view', 'false', "PyBullet's window"),
     ('seed', '0', 'of everything drawn at random in planning'),
-    ('search', 'best', 'best or random'),
+    ('search', Search.best.value, ' or '.join(values(Search))),
     (
         'transition',
-        'auto',
-        'how torque ranges that do not overlap are crossed: auto, dwell or dynamic',
+        Transition.auto.value,
+        f'how torque ranges that do not overlap are crossed: {", ".join(values(Transition))}',
     ),
     ('time_budget', '180.0', 'for a plan, its verification included [s]'),
     ('probe', 'true', 'whether the hand feels where the object lies in the end'),
     ('attempts', '4', 'trajectories at most for a goal of the reorientation'),
     ('priority', '20', 'of the loop in real time, where the machine allows it; 0: none'),
     ('record', '', 'directory of a bag to record into; empty: none'),
-    ('storage', 'mcap', 'format of the bag: mcap or sqlite3'),
+    ('storage', Storage.mcap.value, f'format of the bag: {" or ".join(values(Storage))}'),
     ('network', 'false', 'true: other machines may take part, and command the drives'),
 )
 
@@ -68,7 +69,7 @@ def generate_launch_description():
             LaunchConfiguration('priority'),
             "') if '",
             LaunchConfiguration('pacing'),
-            "' == 'realtime' else 0",
+            f"' == '{Pacing.realtime.value}' else 0",
         ]
     )
     loop = {'priority': ParameterValue(real_time, value_type=int)}

@@ -1,4 +1,4 @@
-"""The drives' guard: fresh commands drive, old ones hold, then limp; a stop holds until the reset; whatever is commanded."""
+"""The drives' guard: fresh commands drive, old ones hold, then give zero torque; a stop holds until the reset; whatever is commanded."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from wholearm_ros.control.command_watchdog import (
     BRAKE,
     DRIVEN,
     HOLD,
-    LIMP,
     STOPPED,
+    ZERO_TORQUE,
     CommandWatchdog,
 )
 
@@ -50,8 +50,8 @@ def test_the_watchdog_holds_within_16_ms_then_lets_go_and_one_joint_alone_does_n
         assert made.decide(k * MS).tolist() == [2.0, 1.0]
     assert made.decide(17 * MS) is None and made.state == HOLD and made.trips == 1
     assert made.decide(517 * MS) is None
-    assert made.decide(518 * MS).tolist() == [0.0, 0.0] and made.state == LIMP
-    assert not made.command(0, 518 * MS, 1.0, 518 * MS), 'limp is left by a reset only'
+    assert made.decide(518 * MS).tolist() == [0.0, 0.0] and made.state == ZERO_TORQUE
+    assert not made.command(0, 518 * MS, 1.0, 518 * MS), 'zero torque is left by a reset only'
     made.reset(600 * MS)
     assert made.decide(600 * MS) is None and made.state == BRAKE
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch
+from wholearm_ros.control.mode_switch import ModeSwitch
 from wholearm_ros.control.setpoints import ControlOptions, Joints
 from wholearm_ros.model.hand import LEFT, RIGHT
-from wholearm_ros.model.trajectory import CAGING, QUASI_STATIC, ManipulationTrajectory, Segment
+from wholearm_ros.model.modes import CAGING, DONE, IDLE, QUASI_STATIC, STOPPED
+from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 
 OPTIONS = ControlOptions(ramp=0.2, handover=0.1)
 DT = 0.001

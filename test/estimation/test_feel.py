@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, claim
-from wholearm_ros.estimation.feel import LYING, NOTHING, Feeler
+from wholearm_ros.estimation.claim import claim
+from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.probe_plan import STRONGEST, WEAKEST, nearest_resting, plan_probe
 from wholearm_ros.estimation.squeeze import SqueezeModel
 from wholearm_ros.mechanics.contacts import gap_table
 from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
+from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, LYING, NOTHING, UNKNOWN
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import GoalOnEdge, ManipulatedObject
 from wholearm_ros.model.scenario_file import load_scenario

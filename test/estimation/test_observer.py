@@ -7,7 +7,7 @@ from problems import ASYMMETRIC, REGULAR
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.observer import FITTING, Observer
-from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC
+from wholearm_ros.model.modes import DWELL, QUASI_STATIC
 from wholearm_ros.planning.routes import plan
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
 from wholearm_ros.rollout.verification import roll_out

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, Claim
-from wholearm_ros.estimation.feel import LYING, Candidate, Felt
+from wholearm_ros.estimation.claim import Claim
+from wholearm_ros.estimation.feel import Candidate, Felt
 from wholearm_ros.model.orientation import directed
+from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, LYING, UNKNOWN
 from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.supervision import END, FEEL, FEELS, PLAN, Supervision

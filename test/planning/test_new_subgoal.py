@@ -13,7 +13,7 @@ from wholearm_ros.mechanics.contacts import (
 )
 from wholearm_ros.mechanics.quasistatic import build_quasistatics
 from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
-from wholearm_ros.model.trajectory import CAGING, QUASI_STATIC
+from wholearm_ros.model.modes import CAGING, QUASI_STATIC
 from wholearm_ros.planning.best_first_search import ArcGraph
 from wholearm_ros.planning.new_subgoal import NEW_Y, REACHED, UNREACHED, new_subgoal, tangent
 from wholearm_ros.planning.problem import build_problem

@@ -5,10 +5,10 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-from wholearm_ros.control.mode_switch import STOPPED
 from wholearm_ros.control.setpoints import ControlOptions, Joints
 from wholearm_ros.model.hand import LEFT
-from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment
+from wholearm_ros.model.modes import QUASI_STATIC, STOPPED
+from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 from wholearm_ros.ros.node.execution import StampedExecution
 from wholearm_ros.ros.node.stamp_age import SLOWEST, StampAge
 

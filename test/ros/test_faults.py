@@ -16,6 +16,7 @@ from ros_graph import ALL, WAIT
 from rosbags.highlevel import AnyReader
 
 from wholearm_ros.bag.reader import Bag
+from wholearm_ros.control.command_watchdog import ZERO_TORQUE
 from wholearm_ros.launcher.launcher import LOOP_PRIORITY
 from wholearm_ros.launcher.processes import NodeDied, Processes
 from wholearm_ros.model.hand import JOINT_NAMES
@@ -90,7 +91,7 @@ def test_a_node_killed_in_any_mode_leaves_the_hand_safe(graph, victim, mode):
         graph.wait(lambda: graph.client.latest.result, 'result')
         assert time.monotonic() - killed < NOTICED_WITHIN
         assert 'nothing from the mode switcher' in graph.client.latest.result['reason']
-    graph.wait(lambda: drives(said) == 'limp', 'zero torque')
+    graph.wait(lambda: drives(said) == ZERO_TORQUE, 'zero torque')
     assert said['hand_hardware'].level == DiagnosticStatus.ERROR
     assert int(values_of(said['hand_hardware'])['watchdog trips']) >= 1
     with pytest.raises(NodeDied, match=f'{victim} was killed by SIGKILL'):

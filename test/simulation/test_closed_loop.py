@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from problems import LEANING
 
-from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.backends import DEFAULT_BACKEND, installed_backends
 from wholearm_ros.model.goal import ANGLE_TOLERANCE
 from wholearm_ros.model.hand import SIDES
+from wholearm_ros.model.modes import DONE, QUASI_STATIC, STOPPED
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory, Segment
+from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.simulation.closed_loop import LoopOptions, finished, run

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.estimation.hold import hold_trajectory
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.model.scenario_file import load_scenario

@@ -3,7 +3,7 @@
 import pytest
 
 from wholearm_ros.errors import ScenarioError
-from wholearm_ros.estimation.claim import AT_GOAL
+from wholearm_ros.model.outcomes import AT_GOAL
 from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.suite.statistics import summarize

@@ -12,15 +12,10 @@ from wholearm_ros.mechanics.quasistatic import build_quasistatics
 from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
+from wholearm_ros.model.modes import CAGING, DWELL, DYNAMIC, QUASI_STATIC
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.model.trajectory import (
-    CAGING,
-    DWELL,
-    DYNAMIC,
-    QUASI_STATIC,
-    ManipulationTrajectory,
-)
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planning.routes import SearchOptions, plan
 from wholearm_ros.trajectory.control_mode import control_mode
 from wholearm_ros.trajectory.execution_options import FRONT, REAR, ExecutionOptions

@@ -10,7 +10,9 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
-STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
+from wholearm_ros.model.choices import Storage
+
+STORAGES = {Storage.mcap.value: StoragePlugin.MCAP, Storage.sqlite3.value: StoragePlugin.SQLITE3}
 
 
 class _Pending(BytesIO):
@@ -94,7 +96,7 @@ class BagWriter(Writer):
 
     STORAGE_PLUGINS = {StoragePlugin.MCAP: _McapStorage, StoragePlugin.SQLITE3: _SqliteStorage}
 
-    def __init__(self, path: Path, storage: str = 'mcap') -> None:
+    def __init__(self, path: Path, storage: str = Storage.mcap.value) -> None:
         super().__init__(path, version=9, storage_plugin=STORAGES[storage])
 
     def checkpoint(self) -> None:

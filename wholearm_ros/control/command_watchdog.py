@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-BRAKE, DRIVEN, HOLD, LIMP, STOPPED = 'brake', 'driven', 'hold', 'limp', 'stopped'
+BRAKE, DRIVEN, HOLD = 'brake', 'driven', 'hold'
+ZERO_TORQUE, STOPPED = 'zero torque', 'stopped'
 
 
 class CommandWatchdog:
@@ -44,7 +45,7 @@ class CommandWatchdog:
 
         stamp, now [ns]; effort [N m], cut to the joint's limit.
         """
-        if not self.newest[joint] < stamp <= now or self.state in (LIMP, STOPPED):
+        if not self.newest[joint] < stamp <= now or self.state in (ZERO_TORQUE, STOPPED):
             self.late += 1
             return False
         limit = self._limits[joint]
@@ -69,7 +70,7 @@ class CommandWatchdog:
         fresh = self.age(now) <= self._timeout and min(self.newest) >= self._since
         if self.state == STOPPED:
             return None
-        if self.state == LIMP:
+        if self.state == ZERO_TORQUE:
             return np.zeros(2)
         if fresh:
             self.state = DRIVEN
@@ -78,6 +79,6 @@ class CommandWatchdog:
             self.state, self._tripped_at = HOLD, now
             self.trips += 1
         if self.state == HOLD and now - self._tripped_at > self._hold_time:
-            self.state = LIMP
+            self.state = ZERO_TORQUE
             return np.zeros(2)
         return None

@@ -6,13 +6,13 @@ Nodes and the closed loop without ROS call the same code.
 
 import numpy as np
 
-from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED, ModeSwitch, SwitchState
+from wholearm_ros.control.mode_switch import ModeSwitch, SwitchState
 from wholearm_ros.control.probing import Probing, ProbingState
 from wholearm_ros.control.setpoints import ControlOptions, Joints, Setpoints
+from wholearm_ros.model.modes import DONE, IDLE, PROBING, STOPPED
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
-PROBING = 'probing'
 COURSE_PERIOD = 0.02  # [s] between two rows of a course
 
 

@@ -15,9 +15,9 @@ from wholearm_ros.control.setpoints import (
 )
 from wholearm_ros.kernels.switch_law import NO_FINGER, Course, Switch, switch_at, switch_period
 from wholearm_ros.model.arrays import readonly
-from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory
+from wholearm_ros.model.modes import DONE, DWELL, IDLE, QUASI_STATIC, STOPPED
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 
-IDLE, DONE, STOPPED = 'idle', 'done', 'stopped'
 HOLD_MARGIN = 0.2  # [N m] inside of the torque range when the fingers hold the object after a stop
 
 

@@ -7,15 +7,22 @@ from typing import Any
 import numpy as np
 
 from wholearm_ros.estimation.course import FAIRLY_NEAR, NEAR, nearest_course
-from wholearm_ros.estimation.feel import LYING, NOTHING, Candidate, Feeler, Felt, fits
+from wholearm_ros.estimation.feel import Candidate, Feeler, Felt, fits
 from wholearm_ros.model.goal import goal_region
+from wholearm_ros.model.outcomes import (
+    AT_GOAL,
+    CLAIMS,
+    ELSEWHERE,
+    LOST,
+    LYING,
+    NOTHING,
+    UNKNOWN,
+    UNVERIFIED,
+)
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
-AT_GOAL, ELSEWHERE, LOST, UNKNOWN = 'at_goal', 'elsewhere', 'lost', 'unknown'
-UNVERIFIED = 'unverified'
-OUTCOMES = (AT_GOAL, ELSEWHERE, LOST, UNKNOWN)
 LIKELY = 0.9  # probability that is enough for what the plan led to, when the fingers kept to it
 
 
@@ -77,7 +84,7 @@ class Claim:
             outcome, reason = told['claimed'], told.get('claim_reason', '')
         except (ValueError, TypeError, KeyError) as error:
             return cls(UNKNOWN, f'a claim that cannot be read: {error!r}')
-        if outcome not in (*OUTCOMES, UNVERIFIED):
+        if outcome not in CLAIMS:
             return cls(UNKNOWN, f'a claim that cannot be read: {outcome!r}')
         if not edges:
             return cls(outcome, reason)

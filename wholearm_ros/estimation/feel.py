@@ -12,10 +12,10 @@ import numpy as np
 from wholearm_ros.estimation.hypotheses import alike, resting_hypotheses
 from wholearm_ros.estimation.squeeze import Prediction, Resting, SqueezeModel
 from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.outcomes import LYING, NOTHING, UNKNOWN
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario
 
-LYING, NOTHING, UNKNOWN = 'lying', 'nothing', 'unknown'
 VERTEX_DEVIATION = 0.0006  # [m] each coordinate of a vertex, standard: ±1 mm evenly spread
 OFFSET_DEVIATION = 0.001  # [rad] of an encoder's zero
 READING_DEVIATION = 0.0005  # [rad] of a pair's angles, noise and rest together

@@ -4,7 +4,8 @@ import uuid
 
 import numpy as np
 
-from wholearm_ros.model.trajectory import DYNAMIC, ManipulationTrajectory, Segment
+from wholearm_ros.model.modes import DYNAMIC
+from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 
 DURATION, PERIOD = 0.1, 0.01  # [s]
 

@@ -11,6 +11,7 @@ from wholearm_ros.launcher.launcher import (
     node_parameters,
     running_graph,
 )
+from wholearm_ros.model.choices import Pacing
 from wholearm_ros.ros.interface import channels
 
 NODES = (
@@ -53,7 +54,7 @@ def _feel(client: Client, options: RunOptions, tell: Callable[[str], None]) -> d
     )
     tell('feeling')
     client.feel()
-    slowness = LOCKSTEP_SLOWNESS if options.pacing == 'lockstep' else 1.0
+    slowness = LOCKSTEP_SLOWNESS if options.pacing == Pacing.lockstep.value else 1.0
     client.wait(
         lambda: bool(client.latest.result), slowness * LONGEST_SILENCE, channels.RESULT.name
     )

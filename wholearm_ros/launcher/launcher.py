@@ -15,9 +15,13 @@ import numpy as np
 from wholearm_ros.launcher.client import Client, LatestMessages, Values
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
 from wholearm_ros.model.backends import DEFAULT_BACKEND
+from wholearm_ros.model.choices import Pacing, Storage
+from wholearm_ros.model.modes import PLANNING
 from wholearm_ros.model.orientation import goal_rotation, start_rotation
+from wholearm_ros.model.outcomes import SUCCEEDED
 from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.supervision import MAX_ATTEMPTS
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.simulation.closed_loop import RunRecord
@@ -42,19 +46,19 @@ class RunOptions:
     """
 
     scenario: str
-    pacing: str = 'realtime'
+    pacing: str = Pacing.realtime.value
     seed: int = 0
     record: Optional[Path] = None
-    storage: str = 'mcap'
+    storage: str = Storage.mcap.value
     topics: tuple[str, ...] = ()
     view: bool = False
     rate: float = 1000.0
     backend: str = DEFAULT_BACKEND
-    search: str = 'best'
-    transition: str = 'auto'
+    search: str = PlanRequest.search
+    transition: str = PlanRequest.transition
     probe: bool = True
     attempts: int = MAX_ATTEMPTS
-    time_budget: float = 180.0
+    time_budget: float = PlanRequest.time_budget
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,14 +88,14 @@ class RunReport:
         return (
             self.judged is not None
             and self.judged.executed
-            and self.result.get('outcome') == 'succeeded'
+            and self.result.get('outcome') == SUCCEEDED
         )
 
 
 def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
     """Parameters by node, in the order in which the nodes are started."""
     scenario, pacing = {'scenario': options.scenario}, {'pacing': options.pacing}
-    loop = {'priority': LOOP_PRIORITY} if options.pacing == 'realtime' else {}
+    loop = {'priority': LOOP_PRIORITY} if options.pacing == Pacing.realtime.value else {}
     nodes: dict[str, dict[str, Any]] = {}
     if options.record:
         nodes['bag_recorder'] = {
@@ -212,11 +216,11 @@ def _follow(client: Client, options: RunOptions, tell: Tell) -> float:
     Returns the instant [s] at which the first plan was there, or none could be made.
     """
     latest, planned_at, told = client.latest, 0.0, 0
-    slowness = LOCKSTEP_SLOWNESS if options.pacing == 'lockstep' else 1.0
+    slowness = LOCKSTEP_SLOWNESS if options.pacing == Pacing.lockstep.value else 1.0
     while not latest.reached:
         before = latest.reorientation
         longest = START_WITHIN + options.time_budget
-        if before.get('phase', 'planning') != 'planning':
+        if before.get('phase', PLANNING) != PLANNING:
             longest = LONGEST_SILENCE * slowness + SLACK
             planned_at = planned_at or time.monotonic()
         client.wait(partial(_has_news, latest, before), longest, 'reorientation/result')
@@ -238,7 +242,7 @@ def _tell(latest: LatestMessages, tell: Tell, told: int) -> int:
         tell(attempt_line(place, attempt))
     if now and not latest.reached:
         before = f'attempt {now["attempt"]} of {now["max_attempts"]}: ' if ended else ''
-        doing = now['mode'] if now['phase'] != 'planning' else 'planning'
+        doing = now['mode'] if now['phase'] != PLANNING else PLANNING
         if doing:
             tell(f'{before}{doing}', float(now.get('progress') or 0.0))
     return len(ended)
@@ -263,7 +267,7 @@ def _judge(client: Client, scenario: Scenario, motions: int) -> Outcome:
         wanted = goal_rotation(scenario) - poses[-1, 2]
     poses[:, 2] += 2 * np.pi * np.round(wanted / (2 * np.pi))
     nothing = np.zeros((len(times), 2))
-    reason = '' if reached.get('outcome') == 'succeeded' else reached.get('reason', '')
+    reason = '' if reached.get('outcome') == SUCCEEDED else reached.get('reason', '')
     return outcome(
         scenario,
         RunRecord(

@@ -15,21 +15,22 @@ from rich.text import Text
 
 from wholearm_ros.launcher.client import Client
 from wholearm_ros.model.hand import CLOSING, JOINT_NAMES, SIDES
-from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory
+from wholearm_ros.model.modes import CAGING, DONE, DWELL, DYNAMIC, IDLE, QUASI_STATIC, STOPPED
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
 from wholearm_ros.ros.interface.messages import to_nanoseconds
 
 RATE = 10.0  # [1/s] at which the picture is drawn anew
 BAR = 48  # characters
-RESTING = ('', 'idle')
+RESTING = ('', IDLE)
 MODE_STYLES = {
-    'quasi_static': 'black on bright_blue',
-    'dwell': 'black on white',
-    'dynamic': 'black on yellow',
-    'caging': 'black on green',
-    'done': 'bold green',
-    'stopped': 'white on red',
+    QUASI_STATIC: 'black on bright_blue',
+    DWELL: 'black on white',
+    DYNAMIC: 'black on yellow',
+    CAGING: 'black on green',
+    DONE: 'bold green',
+    STOPPED: 'white on red',
 }
 
 

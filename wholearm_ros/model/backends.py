@@ -2,16 +2,16 @@
 
 from importlib.util import find_spec
 
-from wholearm_ros.model.choices import Backend
+from wholearm_ros.model.choices import Backend, values
 
-BACKENDS = tuple(backend.value for backend in Backend)  # planar is our own and always there
+BACKENDS = values(Backend)  # planar is our own and always there
 JURY = 'jury'  # in place of a backend: every one that is installed, on the same run
 JUDGES = (*BACKENDS, JURY)  # what a run without ROS may be judged by
 
 
 def installed_backends() -> tuple[str, ...]:
     """Those of BACKENDS that this Python can import, in that order; nothing is imported."""
-    return tuple(name for name in BACKENDS if name == 'planar' or _is_installed(name))
+    return tuple(name for name in BACKENDS if name == Backend.planar.value or _is_installed(name))
 
 
 def _is_installed(module: str) -> bool:

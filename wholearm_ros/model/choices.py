@@ -3,6 +3,11 @@
 from enum import Enum
 
 
+def values(choices: type[Enum]) -> tuple[str, ...]:
+    """What may be chosen, as text."""
+    return tuple(choice.value for choice in choices)
+
+
 class Search(str, Enum):
     """How Phase 1 searches: widest torque margins first, or at random as in the paper."""
 

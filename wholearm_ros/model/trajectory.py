@@ -13,12 +13,11 @@ from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.band import Band
 from wholearm_ros.model.hand import JOINT_NAMES, SIDES
 from wholearm_ros.model.interpolation import hermite
+from wholearm_ros.model.modes import PLANNED_MODES
 from wholearm_ros.model.probe import Probe
 
 FORMAT = 'wholearm-trajectory/2'
 READABLE = ('wholearm-trajectory/1', FORMAT)  # the first has no probe
-QUASI_STATIC, DWELL, DYNAMIC, CAGING = 'quasi_static', 'dwell', 'dynamic', 'caging'
-MODES = (QUASI_STATIC, DWELL, DYNAMIC, CAGING)
 
 
 @dataclass(frozen=True)
@@ -151,7 +150,7 @@ class ManipulationTrajectory:
 
     def time_in_modes(self) -> dict[str, float]:
         """Seconds in each mode."""
-        total = dict.fromkeys(MODES, 0.0)
+        total = dict.fromkeys(PLANNED_MODES, 0.0)
         for s in self.segments:
             total[s.mode] += s.end - s.start
         return total
@@ -246,10 +245,10 @@ class ManipulationTrajectory:
             )
         ends = [0.0]
         for s in self.segments:
-            if s.mode not in MODES or abs(s.start - ends[-1]) > 1e-9 or not s.end > s.start:
+            if s.mode not in PLANNED_MODES or abs(s.start - ends[-1]) > 1e-9 or not s.end > s.start:
                 raise DocumentError(
                     f'trajectory document: segment {s.mode!r} from {s.start} to {s.end}; '
-                    f'allowed: one of {MODES}, following on the one before'
+                    f'allowed: one of {PLANNED_MODES}, following on the one before'
                 )
             ends.append(s.end)
         if len(ends) < 2 or abs(ends[-1] - self.duration) > 1e-6:

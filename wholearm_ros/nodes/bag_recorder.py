@@ -13,6 +13,7 @@ from wholearm_ros.bag.background_writer import BackgroundWriter
 from wholearm_ros.bag.types import jazzy_typestore
 from wholearm_ros.bag.writer import STORAGES
 from wholearm_ros.errors import BagError
+from wholearm_ros.model.choices import Storage
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.bag_types import offered, type_name
 from wholearm_ros.ros.interface.parameters import Declared
@@ -25,7 +26,7 @@ DECLARED = (
         '',
         'directory of the bag, made by the recorder; empty: wholearm_<date and time> here',
     ),
-    Declared('storage', 'mcap', 'format of the bag', choices=tuple(STORAGES)),
+    Declared('storage', Storage.mcap.value, 'format of the bag', choices=tuple(STORAGES)),
     Declared(
         'topics', [''], 'topics of the graph to record, by their names in docs/ros.md; empty: all'
     ),

@@ -17,10 +17,11 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.estimation.claim import AT_GOAL, OUTCOMES
 from wholearm_ros.mechanics.contacts import close_finger
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.choices import Search, Transition, values
 from wholearm_ros.model.hand import LEFT, RIGHT
+from wholearm_ros.model.outcomes import AT_GOAL, PROBED
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
@@ -54,21 +55,21 @@ DECLARED = (
     ),
     Declared(
         'search',
-        'best',
+        PlanRequest.search,
         "best: widest margins first; random: the paper's",
-        choices=('best', 'random'),
+        choices=values(Search),
         read_only=False,
     ),
     Declared(
         'transition',
-        'auto',
+        PlanRequest.transition,
         'how torque ranges that do not overlap are crossed',
-        choices=('auto', 'dwell', 'dynamic'),
+        choices=values(Transition),
         read_only=False,
     ),
     Declared(
         'time_budget',
-        180.0,
+        PlanRequest.time_budget,
         'after which no further candidate is begun [s]',
         0.0,
         3600.0,
@@ -205,7 +206,7 @@ class ContactStatePlanner(WholeArmNode):
     def on_result(self, message: DiagnosticStatus) -> None:
         """Of the trajectory generator: whether a plan led to its goal."""
         told = values_of(message)
-        if told.get('claimed') in OUTCOMES:
+        if told.get('claimed') in PROBED:
             self.legs.happened(told.get('goal_id', ''), told['claimed'] == AT_GOAL)
 
     def no_plan(self, reason: str) -> Answer:

@@ -10,10 +10,11 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from wholearm_ros.control.command_watchdog import BRAKE, LIMP, STOPPED, CommandWatchdog
+from wholearm_ros.control.command_watchdog import BRAKE, STOPPED, ZERO_TORQUE, CommandWatchdog
 from wholearm_ros.control.periodic_timer import PeriodicTimer
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
+from wholearm_ros.model.choices import Pacing
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import PACING, SCENARIO, scenario_of
@@ -71,7 +72,7 @@ class HandHardware(WholeArmNode):
     def __init__(self) -> None:
         super().__init__('hand_hardware', DECLARED)
         p, self.scenario = self.parameters, scenario_of(self.parameters)
-        self.lockstep = p.pacing == 'lockstep'
+        self.lockstep = p.pacing == Pacing.lockstep.value
         self.period = round(NANOSECONDS / p.motor_rate)  # [ns]
 
         self.hand = make_hand(p.backend, self.scenario, rate=p.motor_rate, view=p.view)
@@ -216,7 +217,7 @@ class HandHardware(WholeArmNode):
                     'behind the wall clock ms': self.pace.slipped / 1e6,
                 }
             )
-        if guard.state == LIMP:
+        if guard.state == ZERO_TORQUE:
             return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
         if guard.state == STOPPED:
             return ERROR, 'stopped on request: the drives hold until hand_hardware/reset', values

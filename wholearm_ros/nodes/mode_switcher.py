@@ -13,8 +13,9 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from wholearm_ros.control.execution import Execution
-from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
 from wholearm_ros.control.setpoints import Joints
+from wholearm_ros.model.choices import Pacing
+from wholearm_ros.model.modes import DONE, IDLE, STOPPED
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import (
@@ -73,7 +74,7 @@ class ModeSwitcher(WholeArmNode):
 
     def __init__(self) -> None:
         super().__init__('mode_switcher', DECLARED)
-        self.lockstep = self.parameters.pacing == 'lockstep'
+        self.lockstep = self.parameters.pacing == Pacing.lockstep.value
         self.timeout = self.parameters.joint_states_timeout
         if self.lockstep:
             self.timeout = max(self.timeout, 10.0)

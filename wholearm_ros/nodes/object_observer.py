@@ -10,7 +10,8 @@ from wholearm_ros.control.setpoints import Joints
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.observer import Estimate, Observer
-from wholearm_ros.model.trajectory import MODES, ManipulationTrajectory
+from wholearm_ros.model.modes import PLANNED_MODES
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
 from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, read_joints
@@ -103,7 +104,7 @@ class ObjectObserver(WholeArmNode):
         follows = (
             trajectory is not None
             and bool(start)
-            and self.progress.get('mode') in MODES
+            and self.progress.get('mode') in PLANNED_MODES
             and self.progress.get('goal') == trajectory.plan_id
         )
         if trajectory is None or not follows:

@@ -13,7 +13,9 @@ from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import String
 
 from wholearm_ros.errors import WholeArmError
-from wholearm_ros.estimation.claim import AT_GOAL, UNVERIFIED, Claim
+from wholearm_ros.estimation.claim import Claim
+from wholearm_ros.model import modes
+from wholearm_ros.model.outcomes import AT_GOAL, UNVERIFIED
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
@@ -54,7 +56,6 @@ DECLARED = (
 WATCH_PERIOD = 0.1  # [s]
 PLANNER_WITHIN = 5.0  # [s] for which the planner's services may be out of sight
 SET_PARAMETERS = channels.Service('contact_state_planner/set_parameters', SetParameters)
-PLANNING, EXECUTES, FEELING = 'planning', 'executing', 'feeling'
 
 
 class Reorientation(WholeArmNode):
@@ -134,14 +135,14 @@ class Reorientation(WholeArmNode):
             reached = decision.outcome in (AT_GOAL, UNVERIFIED)
             self.end(SUCCEEDED if reached else ABORTED, decision.reason)
         elif decision.action == FEEL:
-            self.send(FEEL_GOAL, FEELING)
+            self.send(FEEL_GOAL, modes.FEELING)
         else:
             assert decision.scenario is not None
             self.ask(decision.scenario)
 
     def ask(self, scenario: Scenario) -> None:
         """For a plan of that scenario."""
-        self.phase, self.wanted, self.asked = PLANNING, '', scenario
+        self.phase, self.wanted, self.asked = modes.PLANNING, '', scenario
         self.publish_feedback({})
         self.unasked = json.dumps(scenario_to_dict(scenario))
         self.planner_seen = time.monotonic()
@@ -223,9 +224,9 @@ class Reorientation(WholeArmNode):
     def send_when_ready(self) -> None:
         """The generator's goal, as soon as plan and trajectory are those that were answered."""
         ready = self.wanted and self.plan_id.startswith(self.wanted)
-        if ready and self.trajectory_of == self.plan_id and self.phase == PLANNING:
+        if ready and self.trajectory_of == self.plan_id and self.phase == modes.PLANNING:
             self.stop = self.stop_of_plan
-            self.send(to_goal_id(self.plan_id), EXECUTES)
+            self.send(to_goal_id(self.plan_id), modes.EXECUTING)
 
     def send(self, goal: bytes, phase: str) -> None:
         """A goal for the generator."""
@@ -250,7 +251,7 @@ class Reorientation(WholeArmNode):
         if values.get('request_stamp', str(self.sent[1])) != str(self.sent[1]):
             return  # another client's rejection
         canceling = bool(self.goals.active and self.goals.active.status == CANCELING)
-        planned, self.sent, self.last = self.phase == EXECUTES, None, values
+        planned, self.sent, self.last = self.phase == modes.EXECUTING, None, values
         said = _claim(values)
         self.tries.append(_told(values, planned))
         if canceling or values.get('outcome') == 'canceled' or said is None:
@@ -267,9 +268,9 @@ class Reorientation(WholeArmNode):
         """A node that is gone answers no more."""
         if not self.goals.active:
             return
-        if self.phase == PLANNING:
+        if self.phase == modes.PLANNING:
             self.look_for_planner()
-        elif self.phase != PLANNING and not self.count_publishers(channels.RESULT.name):
+        elif self.phase != modes.PLANNING and not self.count_publishers(channels.RESULT.name):
             self.end(ABORTED, 'trajectory_generator is gone')
 
     # -- what is told
@@ -300,7 +301,7 @@ class Reorientation(WholeArmNode):
         """phase and attempt, and what the generator says while it executes."""
         values = {
             'phase': self.phase,
-            'attempt': self.supervision.attempts + (self.phase != FEELING),
+            'attempt': self.supervision.attempts + (self.phase != modes.FEELING),
             'max_attempts': self.supervision.max_attempts,
             'tries': json.dumps(self.tries),
             **{key: progress.get(key, '') for key in ('mode', 'progress', 'time_left')},

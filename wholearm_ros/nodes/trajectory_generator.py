@@ -13,19 +13,14 @@ from action_msgs.msg import GoalInfo
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
-from wholearm_ros.control.mode_switch import DONE, IDLE, STOPPED
-from wholearm_ros.estimation.claim import (
-    AT_GOAL,
-    UNKNOWN,
-    UNVERIFIED,
-    Claim,
-    reported_as_kept,
-    reported_claim,
-)
+from wholearm_ros.estimation.claim import Claim, reported_as_kept, reported_claim
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_after, hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
+from wholearm_ros.model.choices import Pacing
 from wholearm_ros.model.hand import LEFT
+from wholearm_ros.model.modes import DONE, IDLE, STOPPED
+from wholearm_ros.model.outcomes import AT_GOAL, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
@@ -228,7 +223,7 @@ class TrajectoryGenerator(WholeArmNode):
     def patience(self) -> float:
         """[s] without a word of the mode switcher; before its first one, as in lockstep."""
         timeout: float = self.parameters.switcher_timeout
-        in_real_time = self.progress.get('pacing') == 'realtime'
+        in_real_time = self.progress.get('pacing') == Pacing.realtime.value
         return timeout if in_real_time else max(timeout, PATIENCE_IN_LOCKSTEP)
 
     def conclude(self, mode: str, canceling: bool) -> None:

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 
+from wholearm_ros.model.modes import DWELL, DYNAMIC
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.trajectory import DWELL, DYNAMIC
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planning.primitive_candidates import STYLES
 from wholearm_ros.planning.routes import PrimitiveRoutes, Routes, SearchOptions, make_routes

@@ -9,9 +9,10 @@ import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.modes import CAGING
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.trajectory import CAGING, ManipulationTrajectory
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.stopwatch import GENERATE, VERIFY, Stopwatch
 from wholearm_ros.rollout.perturbed_samples import PerturbedSample, build_perturbed_samples

@@ -5,8 +5,9 @@ Pure: whoever executes tells the claim that came of it and is told what to do ne
 
 from dataclasses import dataclass, replace
 
-from wholearm_ros.estimation.claim import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED, Claim
+from wholearm_ros.estimation.claim import Claim
 from wholearm_ros.model.goal import X_TOLERANCE
+from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartOnEdge
 
 PLAN, FEEL, END = 'plan', 'feel', 'end'

@@ -13,6 +13,7 @@ def warm() -> float:
     from wholearm_ros.model.scenario_file import parse_scenario
     from wholearm_ros.planner.planner import plan_and_verify
     from wholearm_ros.planner.request import PlanRequest
+    from wholearm_ros.planning.routes import BEST, RANDOM
 
     began = time.monotonic()
     finger = {
@@ -34,7 +35,7 @@ def warm() -> float:
         'start': {'edge': 0, 'x': 0.0},
         'goal': {'edge': 3, 'direction': 'ccw'},
     }
-    for search, moves in (('random', 0), ('best', 1)):
+    for search, moves in ((RANDOM, 0), (BEST, 1)):
         plan_and_verify(
             parse_scenario(square),
             PlanRequest(

@@ -9,7 +9,7 @@ from wholearm_ros.kernels.linear import null_vector
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.torque_range import ROBUST_FRICTION
 from wholearm_ros.model.configuration import SIZE
-from wholearm_ros.model.trajectory import QUASI_STATIC
+from wholearm_ros.model.modes import QUASI_STATIC
 from wholearm_ros.planning.problem import PlanningProblem
 
 # [N m] of a range that is empty somewhere: how empty says nothing near a singular configuration.

@@ -9,8 +9,8 @@ import numpy as np
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.caging import Cage
 from wholearm_ros.mechanics.contacts import closed_pairs, pose_on_palm
+from wholearm_ros.model.modes import CAGING
 from wholearm_ros.model.orientation import palm_segment_under
-from wholearm_ros.model.trajectory import CAGING
 from wholearm_ros.planning.arc import Arc
 from wholearm_ros.planning.problem import PlanningProblem
 

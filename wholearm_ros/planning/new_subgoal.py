@@ -8,7 +8,7 @@ import numpy as np
 
 from wholearm_ros.kernels import arc_tracing, geometry
 from wholearm_ros.mechanics.contacts import closed_pairs
-from wholearm_ros.model.trajectory import CAGING
+from wholearm_ros.model.modes import CAGING
 from wholearm_ros.planning.arc import Arc, arc_to_goal, tangent, trace
 from wholearm_ros.planning.caging_descent import releases
 from wholearm_ros.planning.problem import PlanningProblem

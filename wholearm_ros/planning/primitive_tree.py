@@ -15,9 +15,9 @@ from functools import partial
 import numpy as np
 
 from wholearm_ros.mechanics.contacts import closed_pairs, pair_name
+from wholearm_ros.model.modes import CAGING, DYNAMIC
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import X_END, X_GOAL, X_INIT, Leg, Subgoal, Y
-from wholearm_ros.model.trajectory import CAGING, DYNAMIC
 from wholearm_ros.planning.caging_descent import caging_descent
 from wholearm_ros.planning.particles import Particles, ParticleStates
 from wholearm_ros.planning.primitive_candidates import (

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from wholearm_ros.bag.reader import NANOSECONDS, Bag, Timed, planar_of, stamp_of, values_of
-from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import BagError
 from wholearm_ros.model.hand import JOINT_NAMES
+from wholearm_ros.model.modes import DONE, PLANNED_MODES, STOPPED
 from wholearm_ros.model.orientation import start_rotation
+from wholearm_ros.model.outcomes import SUCCEEDED
 from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
@@ -70,7 +71,7 @@ def _began(heard: dict[str, Timed]) -> tuple[int, float]:
     begins = [
         when
         for k, (when, mode) in enumerate(modes)
-        if mode in RUNNING and (k == 0 or modes[k - 1][1] not in RUNNING)
+        if mode in PLANNED_MODES and (k == 0 or modes[k - 1][1] not in PLANNED_MODES)
     ]
     setpoints = heard['velocity_setpoint']
     first = 0
@@ -98,7 +99,7 @@ def _view(
     start = _trajectory_start(heard, began[1], over)
     stamps, times = joints[:, 0], joints[:, 0] - start
     poses, known = _poses(heard['object_pose'], stamps, plan.scenario)
-    succeeded = result.get('outcome') == 'succeeded'
+    succeeded = result.get('outcome') == SUCCEEDED
     reason = '' if succeeded else result.get('reason', 'the bag ends before the run does')
     modes = _modes(trajectory, times, STOPPED if reason and result else '', over - start)
     judged = None

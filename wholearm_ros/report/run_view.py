@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from wholearm_ros.control.mode_switch import IDLE
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.modes import IDLE, QUASI_STATIC
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.trajectory import QUASI_STATIC, ManipulationTrajectory
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.outcome import Outcome, outcome
 

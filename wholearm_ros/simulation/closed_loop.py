@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from wholearm_ros.control.execution import Execution
-from wholearm_ros.control.mode_switch import DONE, STOPPED
 from wholearm_ros.control.open_loop_torque import torque_effort
 from wholearm_ros.control.pd_velocity import velocity_effort
 from wholearm_ros.control.setpoints import (
@@ -17,6 +16,7 @@ from wholearm_ros.control.setpoints import (
 from wholearm_ros.kernels.control_law import ControlLaw
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.hand import Hand
+from wholearm_ros.model.modes import DONE, STOPPED
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import Scenario

@@ -4,6 +4,7 @@ from typing import Optional
 
 from wholearm_ros.errors import HardwareError
 from wholearm_ros.model.backends import BACKENDS
+from wholearm_ros.model.choices import Backend
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.simulation.hand import HandBackend
@@ -24,12 +25,12 @@ def make_hand(
     """
     if backend not in BACKENDS:
         raise HardwareError(f'backend: got {backend!r}; allowed: {", ".join(BACKENDS)}')
-    if backend == 'planar':
+    if backend == Backend.planar.value:
         from wholearm_ros.simulation.planar_hand import PlanarHand
 
         return PlanarHand(scenario, rate=rate, perturbation=perturbation)
     try:
-        if backend == 'mujoco':
+        if backend == Backend.mujoco.value:
             from wholearm_ros.simulation.mujoco_hand import MuJoCoHand
 
             return MuJoCoHand(scenario, rate=rate, perturbation=perturbation)

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from wholearm_ros.control.execution import PROBING
 from wholearm_ros.estimation.claim import Claim
+from wholearm_ros.model.modes import PROBING
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory

@@ -8,19 +8,12 @@ from types import TracebackType
 import numpy as np
 
 from wholearm_ros.control.execution import Execution
-from wholearm_ros.estimation.claim import (
-    AT_GOAL,
-    LOST,
-    UNKNOWN,
-    UNVERIFIED,
-    Claim,
-    claim,
-    kept_to_plan,
-)
+from wholearm_ros.estimation.claim import Claim, claim, kept_to_plan
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_after, hold_trajectory
 from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
 from wholearm_ros.model.hand import LEFT
+from wholearm_ros.model.outcomes import AT_GOAL, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartAtPose, StartOnEdge

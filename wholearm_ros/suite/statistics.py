@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from wholearm_ros.estimation.claim import AT_GOAL, LOST, OUTCOMES, UNKNOWN
+from wholearm_ros.model.outcomes import AT_GOAL, LOST, PROBED, UNKNOWN
 from wholearm_ros.suite.jury_summary import jury_summary
 
 TIMES = ('plan_ms', 'generate_ms', 'verify_ms')
@@ -33,7 +33,7 @@ def summarize(results: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _claims(draws: list[dict[str, Any]]) -> dict[str, int]:
     """What was claimed against what is. Runs that were not felt count nowhere."""
-    felt = [d for d in draws if d.get('claimed') in OUTCOMES]
+    felt = [d for d in draws if d.get('claimed') in PROBED]
     return {
         'felt_runs': len(felt),
         'false_success': sum(d['claimed'] == AT_GOAL and not d['executed'] for d in felt),

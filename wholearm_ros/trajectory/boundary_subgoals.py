@@ -5,7 +5,7 @@ to 4).
 from dataclasses import dataclass
 
 from wholearm_ros.kernels.world import World
-from wholearm_ros.model.trajectory import QUASI_STATIC
+from wholearm_ros.model.modes import QUASI_STATIC
 from wholearm_ros.trajectory.check_transition import TransitionReport, check_transition
 from wholearm_ros.trajectory.monotone_segments import Piece
 

@@ -14,8 +14,9 @@ from wholearm_ros.mechanics.contacts import closed_pairs, pair_name
 from wholearm_ros.mechanics.quasistatic import build_quasistatics
 from wholearm_ros.mechanics.torque_path import build_torque_path, solve_torque_path
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.modes import DWELL, QUASI_STATIC
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.trajectory import DWELL, QUASI_STATIC, ManipulationTrajectory, Segment
+from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 
 FIVE = 5  # contacts from which on the torques do not determine the forces
 

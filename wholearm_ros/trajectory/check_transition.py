@@ -15,7 +15,7 @@ from wholearm_ros.mechanics.forward_dynamics import (
     solve_forward_dynamics,
 )
 from wholearm_ros.model.configuration import SIZE, joint_index
-from wholearm_ros.model.trajectory import QUASI_STATIC
+from wholearm_ros.model.modes import QUASI_STATIC
 from wholearm_ros.trajectory.control_mode import control_mode
 from wholearm_ros.trajectory.monotone_segments import Piece, follow
 

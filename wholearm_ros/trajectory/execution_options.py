@@ -5,7 +5,7 @@ from typing import Any
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.choices import Transition
-from wholearm_ros.model.trajectory import DWELL, DYNAMIC
+from wholearm_ros.model.modes import DWELL, DYNAMIC
 
 # The front finger is the one towards which the object turns: left when counter-clockwise.
 AUTO, FRONT, REAR = Transition.auto.value, 'front', 'rear'

@@ -8,14 +8,9 @@ import numpy as np
 from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.contacts import pair_name
 from wholearm_ros.model.configuration import JOINTS, POSE
+from wholearm_ros.model.modes import DWELL, DYNAMIC, QUASI_STATIC
 from wholearm_ros.model.motion_primitive import MotionPrimitive
-from wholearm_ros.model.trajectory import (
-    DWELL,
-    DYNAMIC,
-    QUASI_STATIC,
-    ManipulationTrajectory,
-    Segment,
-)
+from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 from wholearm_ros.rollout.primitive_rollout import PERIOD, Rest, simulate_primitive
 from wholearm_ros.trajectory.control_mode import control_mode
 from wholearm_ros.trajectory.execution_options import ExecutionOptions

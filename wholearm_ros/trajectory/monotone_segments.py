@@ -10,9 +10,9 @@ from wholearm_ros.mechanics.contacts import pair_from_name
 from wholearm_ros.mechanics.torque_range import ROBUST_FRICTION
 from wholearm_ros.model.configuration import JOINTS, SIZE, joint_index
 from wholearm_ros.model.hand import LEFT, RIGHT
+from wholearm_ros.model.modes import CAGING, DYNAMIC
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import Leg
-from wholearm_ros.model.trajectory import CAGING, DYNAMIC
 from wholearm_ros.trajectory.control_mode import control_mode
 from wholearm_ros.trajectory.execution_options import AUTO, FRONT, ExecutionOptions
 

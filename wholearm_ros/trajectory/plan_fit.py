@@ -6,9 +6,9 @@ from wholearm_ros.errors import DocumentError
 from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.contacts import contact_rows, pair_exists, pair_from_name
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.modes import QUASI_STATIC
 from wholearm_ros.model.plan import ContactPlan, Leg
 from wholearm_ros.model.scenario import Scenario
-from wholearm_ros.model.trajectory import QUASI_STATIC
 
 LARGEST_GAP = 1e-5  # [m] of a contact that the plan says is closed
 

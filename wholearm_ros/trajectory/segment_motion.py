@@ -11,7 +11,7 @@ from wholearm_ros.kernels.world import World
 from wholearm_ros.model.configuration import JOINTS, SIZE, joint_index
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.interpolation import quintic
-from wholearm_ros.model.trajectory import CAGING, DYNAMIC
+from wholearm_ros.model.modes import CAGING, DYNAMIC
 from wholearm_ros.trajectory.boundary_subgoals import MonotoneSegment
 from wholearm_ros.trajectory.check_transition import check_dyn
 from wholearm_ros.trajectory.execution_options import ExecutionOptions

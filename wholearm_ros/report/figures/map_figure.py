@@ -53,8 +53,8 @@ def _draw_ring(axes: Any, polygon: Polygon, face_map: FaceMap) -> None:
 
 def _arrow(start: np.ndarray, end: np.ndarray, direction: str, rate: float) -> FancyArrowPatch:
     return FancyArrowPatch(
-        start,
-        end,
+        (float(start[0]), float(start[1])),
+        (float(end[0]), float(end[1])),
         connectionstyle='arc3,rad=0.22',
         arrowstyle='-|>',
         mutation_scale=12,

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from wholearm_ros.model.hand import SIDES
-from wholearm_ros.model.trajectory import MODES, ManipulationTrajectory
+from wholearm_ros.model.modes import PLANNED_MODES
+from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.report.figures.canvas import new_figure
 from wholearm_ros.report.figures.mode_spans import executed_spans, merged, planned_spans
 from wholearm_ros.report.figures.palette import EXECUTED, INK, MODE_COLOURS, MODE_NAMES, PLANNED
@@ -37,13 +38,16 @@ def draw_times(trajectory: ManipulationTrajectory, run: RunView, title: str = ''
     bands.set_title(title, fontsize='medium', loc='left')
     # The modes are named beside the title: the shortest stretches have no room for it.
     bands.legend(
-        handles=[Patch(facecolor=MODE_COLOURS[mode], label=MODE_NAMES[mode]) for mode in MODES],
+        # Named beside the title: the shortest stretches have no room for it.
+        handles=[
+            Patch(facecolor=MODE_COLOURS[mode], label=MODE_NAMES[mode]) for mode in PLANNED_MODES
+        ],
         fontsize=7,
         loc='lower right',
         bbox_to_anchor=(1.0, 0.98),
         borderaxespad=0.0,
         frameon=False,
-        ncols=len(MODES),
+        ncols=len(PLANNED_MODES),
     )
     return figure
 

@@ -1,6 +1,7 @@
 """Parameters that more than one node declares, and what is made of them."""
 
 from wholearm_ros.control.setpoints import ControlOptions, PdGains
+from wholearm_ros.model.choices import Pacing, values
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import load_scenario, parse_scenario
 from wholearm_ros.model.yaml_text import parse_mapping
@@ -15,9 +16,9 @@ SCENARIO = Declared(
 )
 PACING = Declared(
     'pacing',
-    'realtime',
+    Pacing.realtime.value,
     'realtime: wall clock; lockstep: simulated time waits for the commands',
-    choices=('realtime', 'lockstep'),
+    choices=values(Pacing),
 )
 
 _DEFAULTS = ControlOptions()

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 from action_msgs.msg import GoalInfo, GoalStatus
 
+from wholearm_ros.model import outcomes
+
 ACCEPTED, EXECUTING, CANCELING = (
     GoalStatus.STATUS_ACCEPTED,
     GoalStatus.STATUS_EXECUTING,
@@ -18,9 +20,9 @@ NAMES = {
     ACCEPTED: 'accepted',
     EXECUTING: 'executing',
     CANCELING: 'canceling',
-    SUCCEEDED: 'succeeded',
-    CANCELED: 'canceled',
-    ABORTED: 'aborted',
+    SUCCEEDED: outcomes.SUCCEEDED,
+    CANCELED: outcomes.CANCELED,
+    ABORTED: outcomes.ABORTED,
 }
 ACTIVE = (ACCEPTED, EXECUTING, CANCELING)
 REMEMBERED = 10  # ended goals in the status
