@@ -18,7 +18,7 @@ def wholearm(*arguments):
     return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
-@pytest.mark.parametrize('command', ['', 'plan', 'simulate', 'suite', 'version'])
+@pytest.mark.parametrize('command', ['', 'plan', 'simulate', 'map', 'suite', 'version'])
 def test_help_names_an_example(command):
     told = wholearm(*command.split(), '--help')
     assert told.exit_code == 0
@@ -189,3 +189,27 @@ def test_suite_writes_its_results(tmp_path):
     assert told.exit_code == 0, told.output
     document = json.loads(out.read_text())
     assert document['format'] == 'wholearm-suite-result/1' and document['summary']['planned'] == 1
+
+
+def test_map_writes_what_can_be_turned(tmp_path, monkeypatch):
+    monkeypatch.setenv('WHOLEARM_MAPS', str(tmp_path / 'maps'))
+    file, page = tmp_path / 'map.json', tmp_path / 'map.html'
+    done = wholearm(
+        'map',
+        HEXAGON,
+        '--range',
+        '0',
+        '--time-budget',
+        '1',
+        '--jobs',
+        '1',
+        '--json',
+        file,
+        '--html',
+        page,
+    )
+    document = json.loads(file.read_text())
+    assert document['format'] == 'wholearm-map/1' and len(document['faces']) == 6
+    assert len(document['edges']) + len(document['refused']) >= 12
+    assert done.exit_code == (0 if document['edges'] else 1) and 'ordered pairs' in done.output
+    assert '<h1>Face map' in page.read_text()

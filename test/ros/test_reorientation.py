@@ -9,6 +9,7 @@ import sys
 import pytest
 from ros_graph import ALL, LOOP, WHOLE
 
+from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.messages import FEEL_GOAL, goal_message, goal_name
 
@@ -120,3 +121,23 @@ def test_the_command_says_what_lies_in_the_hand(in_hand, felt, domain):
     assert done.returncode == (1 if in_hand else 0) and felt in done.stdout, (
         done.stdout + done.stderr
     )
+
+
+def test_a_start_that_nobody_told_is_felt_and_turned_onto_an_edge_by_any_way(graph):
+    asked = scenario_to_dict(load_scenario('asymmetric_hexagon'))
+    asked |= {'start': {'edge': 0, 'x': 0.01, 'felt': True}, 'goal': {'edge': 5}}
+    told = {'scenario': json.dumps(asked)}
+    supervised(
+        graph,
+        **{node: {**QUICK.get(node, {}), **told} for node in ('hand_hardware', 'reorientation')},
+    )
+    graph.client.reorient()
+    result = reached(graph)
+    assert result['outcome'] == 'succeeded', result
+    assert (result['claimed'], result['felt_edge']) == ('at_goal', '5')
+    tries = json.loads(result['tries'])
+    assert [one['planned'] for one in tries] == [False, True]
+    assert tries[0]['felt_edge'] == '0' and float(tries[0]['felt_x']) == pytest.approx(
+        0.01, abs=2e-3
+    )
+    assert graph.client.latest.plan.scenario.goal.direction == 'ccw'
