@@ -22,7 +22,7 @@ from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.figures.canvas import new_figure, save
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
-from wholearm_ros.rollout.verification import run_trial
+from wholearm_ros.rollout.verification import roll_out
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
 from wholearm_ros.trajectory.main_trajectory import generate
 
@@ -49,10 +49,7 @@ def success_map(scenario, answer) -> tuple:
         trajectory = generate(scenario, answer.plan.with_execution(options.to_dict()), options)
         dynamic[row, column] = trajectory.time_in_modes()['dynamic'] > 0.0
         shares[row, column] = np.mean(
-            [
-                run_trial(trajectory, scenario, sample, ControlOptions()).success
-                for sample in samples
-            ]
+            [roll_out(trajectory, sample, ControlOptions()).success for sample in samples]
         )
     return shares, dynamic
 

@@ -86,7 +86,7 @@ class Client:
             channels.REORIENTATION_CANCEL.name,
             channels.REORIENTATION_CANCEL.qos,
         )
-        for topic, callback in (
+        for topic, hear in (
             (channels.CONTACT_PLAN, self._on_plan),
             (channels.PLANNER_STATUS, self._on_planner),
             (channels.MANIPULATION_TRAJECTORY, self._on_trajectory),
@@ -97,7 +97,7 @@ class Client:
             (channels.REORIENTATION_FEEDBACK, self._on_reorientation),
             (channels.REORIENTATION_RESULT, self._on_reached),
         ):
-            self.node.create_subscription(topic.type, topic.name, _guarded(callback), topic.qos)
+            self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
         deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.node.create_subscription(
             channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, _guarded(self._on_pose), deep
@@ -247,13 +247,13 @@ class Client:
         self.latest.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')
 
 
-def _guarded(callback):
+def _guarded(hear):
     """What others publish does not end a client; a damaged document is as good as none."""
 
-    def guarded(message):
+    def callback(message):
         try:
-            callback(message)
+            hear(message)
         except WholeArmError:
             pass
 
-    return guarded
+    return callback

@@ -23,7 +23,7 @@ NODES = (
 )
 
 
-def feel_graph(options: RunOptions, in_hand: str, report: Callable[[str], None]) -> dict[str, str]:
+def feel_graph(options: RunOptions, in_hand: str, tell: Callable[[str], None]) -> dict[str, str]:
     """The values of the generator's result: kind, edges, x and its deviation, probability, reason.
 
     in_hand: the scenario whose object the simulated hand truly has. Raises DomainTaken at the
@@ -34,11 +34,11 @@ def feel_graph(options: RunOptions, in_hand: str, report: Callable[[str], None])
     }
     parameters['hand_hardware']['scenario'] = in_hand
     with running_graph(parameters) as client:
-        return _feel(client, options, report)
+        return _feel(client, options, tell)
 
 
-def _feel(client: Client, options: RunOptions, report: Callable[[str], None]) -> dict[str, str]:
-    report('starting the nodes')
+def _feel(client: Client, options: RunOptions, tell: Callable[[str], None]) -> dict[str, str]:
+    tell('starting the nodes')
     client.wait_for_subscribers(
         START_WITHIN,
         (
@@ -52,7 +52,7 @@ def _feel(client: Client, options: RunOptions, report: Callable[[str], None]) ->
     client.wait(
         lambda: bool(client.latest.progress.get('angles')), START_WITHIN, channels.PROGRESS.name
     )
-    report('feeling')
+    tell('feeling')
     client.feel()
     slowness = LOCKSTEP_SLOWNESS if options.pacing == Pacing.lockstep.value else 1.0
     client.wait(

@@ -26,7 +26,7 @@ from wholearm_ros.ros.interface import channels
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.outcome import Outcome, outcome
 
-Report = Callable[..., None]  # given a line, and the progress
+Tell = Callable[..., None]  # of a line, and of the progress
 START_WITHIN = 300.0  # [s] the first time, everything is compiled
 # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 SLACK = 60.0
@@ -38,7 +38,7 @@ LOOP_PRIORITY = 20
 
 @dataclass(frozen=True)
 class RunOptions:
-    """The options of `wholearm run`.
+    """What `wholearm run` was told.
 
     rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
     when empty; time_budget: for planning [s].
@@ -132,20 +132,20 @@ def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
 def run_graph(
     scenario: Scenario,
     options: RunOptions,
-    report: Report,
+    tell: Tell,
     log_directory: Optional[Path] = None,
     on_client_ready: Callable[[Client], None] = lambda client: None,
 ) -> RunReport:
     """Start the graph, plan, execute, judge, stop the graph.
 
-    Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `report(line)` or
-    `report(line, progress)`, 0 to 1.
+    Raises DomainTaken at the start, NodeDied or GraphError when the graph breaks. `tell(line)` or
+    `tell(line, progress)`, 0 to 1.
 
     on_client_ready: is given the client before anything happens, to listen to more of the run.
     """
     with running_graph(node_parameters(options), log_directory) as client:
         on_client_ready(client)
-        return _plan_and_execute(client, scenario, options, report)
+        return _plan_and_execute(client, scenario, options, tell)
 
 
 @contextmanager
@@ -169,10 +169,10 @@ def running_graph(
 
 
 def _plan_and_execute(
-    client: Client, scenario: Scenario, options: RunOptions, report: Report
+    client: Client, scenario: Scenario, options: RunOptions, tell: Tell
 ) -> RunReport:
     clock = [time.monotonic()]
-    report('starting the nodes')
+    tell('starting the nodes')
     client.wait_for_graph(START_WITHIN)
     if options.record:
         client.wait(
@@ -186,10 +186,10 @@ def _plan_and_execute(
         'reorientation',
     )
     clock.append(time.monotonic())
-    report('planning')
+    tell('planning')
     client.reorient()
     latest = client.latest
-    planned_at = _follow(client, options, report)
+    planned_at = _follow(client, options, tell)
     clock += [planned_at, time.monotonic()]
     reached = latest.reached
     attempts = tuple(json.loads(reached.get('tries') or '[]'))
@@ -209,12 +209,12 @@ def _plan_and_execute(
     )
 
 
-def _follow(client: Client, options: RunOptions, report: Report) -> float:
+def _follow(client: Client, options: RunOptions, tell: Tell) -> float:
     """Until the supervisor's result.
 
     Returns the instant [s] at which the first plan was there, or none could be made.
     """
-    latest, planned_at, reported = client.latest, 0.0, 0
+    latest, planned_at, told = client.latest, 0.0, 0
     slowness = LOCKSTEP_SLOWNESS if options.pacing == Pacing.lockstep.value else 1.0
     while not latest.reached:
         before = latest.reorientation
@@ -227,22 +227,22 @@ def _follow(client: Client, options: RunOptions, report: Report) -> float:
             longest,
             'reorientation/result',
         )
-        reported = _report_progress(latest, report, reported)
-    report(latest.reached_message, 1.0)
+        told = _tell(latest, tell, told)
+    tell(latest.reached_message, 1.0)
     return planned_at or time.monotonic()
 
 
-def _report_progress(latest: LatestMessages, report: Report, reported: int) -> int:
-    """Report the attempts that have ended after the first `reported`, and what goes on; returns how many have ended."""
+def _tell(latest: LatestMessages, tell: Tell, told: int) -> int:
+    """Attempts that have ended since `told` of them had, and what goes on; how many have."""
     now = latest.reorientation
     ended = json.loads((latest.reached or now).get('tries') or '[]')
-    for place, attempt in enumerate(ended[reported:], reported + 1):
-        report(attempt_line(place, attempt))
+    for place, attempt in enumerate(ended[told:], told + 1):
+        tell(attempt_line(place, attempt))
     if now and not latest.reached:
         before = f'attempt {now["attempt"]} of {now["max_attempts"]}: ' if ended else ''
         doing = now['mode'] if now['phase'] != PLANNING else PLANNING
         if doing:
-            report(f'{before}{doing}', float(now.get('progress') or 0.0))
+            tell(f'{before}{doing}', float(now.get('progress') or 0.0))
     return len(ended)
 
 

@@ -175,13 +175,13 @@ class LiveView:
         client.node.create_subscription(
             channels.JOINT_STATES.type,
             channels.JOINT_STATES.name,
-            self._on_joints,
+            self._on_states,
             newest,
             raw=True,
         )
         self._client = client
 
-    def _on_joints(self, data: bytes) -> None:
+    def _on_states(self, data: bytes) -> None:
         self._joints = data
 
     def __rich__(self) -> Panel:

@@ -50,7 +50,7 @@ DECLARED = (
         1.0,
     ),
     Declared(
-        'hold_time', 0.5, 'how long they hold before their torque is zero; realtime [s]', 0.0, 60.0
+        'hold_time', 0.5, 'of holding, after which their torque is zero; realtime [s]', 0.0, 60.0
     ),
     Declared(
         'lockstep_timeout',

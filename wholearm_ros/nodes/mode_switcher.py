@@ -76,7 +76,7 @@ class ModeSwitcher(WholeArmNode):
 
         self.execution = self.wanted = self.last_goal = None
         self.text = self.trajectory = self.joints = None
-        self.stamp, self.states, self.answered, self.last_heard = -1, 0, False, time.monotonic()
+        self.stamp, self.states, self.answered, self.heard = -1, 0, False, time.monotonic()
         self.mode, self.reason, self.age = '', '', StampAge()
 
         self.mode_topic = self.publisher(channels.MODE)
@@ -148,7 +148,7 @@ class ModeSwitcher(WholeArmNode):
         stamp, joints = to_joints(message)
         repeated = stamp == self.stamp
         if self.lockstep or not repeated:  # in real time the same state again is as good as silence
-            self.last_heard = time.monotonic()
+            self.heard = time.monotonic()
         if repeated:
             self.repeat()
             return
@@ -216,7 +216,7 @@ class ModeSwitcher(WholeArmNode):
         return response
 
     def watch(self):
-        silence = time.monotonic() - self.last_heard
+        silence = time.monotonic() - self.heard
         if self.running() and silence > self.timeout:
             self.give_up(f'no joint_states for {silence:.3f} s; allowed: {self.timeout} s')
 
@@ -258,7 +258,7 @@ class ModeSwitcher(WholeArmNode):
         values = {
             **{k: v for k, v in self.progress_values().items() if k != 'course'},
             'states': self.states,
-            'silence ms': 1e3 * (time.monotonic() - self.last_heard),
+            'silence ms': 1e3 * (time.monotonic() - self.heard),
         }
         return ERROR if self.mode == STOPPED else OK, self.reason or self.mode, values
 

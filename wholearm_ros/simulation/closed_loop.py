@@ -75,7 +75,7 @@ def run(
     """Execute `trajectory`, then hold its end for `settle` [s], also after a stop.
 
     The object is set down where the perturbed scenario's start says, the fingers closed on it.
-    scenario: as the planner knows it; rate [Hz]: of the control loop; perturbation: what is truly
+    scenario: as told to the planner; rate [Hz]: of the control loop; perturbation: what is truly
     different; seed: of the encoder noise, added to the perturbation's own; probe: the motion that
     then feels where the object lies. Raises HardwareError when the backend is not there.
     """
