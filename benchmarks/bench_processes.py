@@ -27,7 +27,7 @@ WAIT = 300.0  # [s] for a node that compiles
 
 
 def bench_fresh_process(scenario: Path, cache: str = None) -> dict:
-    """A process' imports, first offer and second. cache: a directory for compiled kernels, or None for the usual one."""
+    """A process' imports, first planning call and second. cache: a directory for compiled kernels, or None for the usual one."""
     environment = {**os.environ, **({'NUMBA_CACHE_DIR': cache} if cache else {})}
     done = subprocess.run(
         [sys.executable, '-c', FIRST_PLAN, str(scenario)],

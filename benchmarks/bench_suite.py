@@ -1,4 +1,4 @@
-"""The parts of an offer on every task of a suite, warm: a plan by each search, generation, verification."""
+"""The parts of a planning call on every task of a suite, warm: a plan by each search, generation, verification."""
 
 import resource
 
@@ -29,7 +29,7 @@ def bench_suite(tasks, repeats: int = 3) -> dict:
 
 
 def _executed(planned, repeats) -> dict:
-    """Generation and verification of each task's best plan; a copy that fails early is as much work as it is."""
+    """Generation and verification of each task's best plan; a sample that fails early is as much work as it is."""
     generation, one, many, both = [], [], [], []
     for found in planned:
         scenario = found.scenario

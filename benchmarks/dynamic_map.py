@@ -2,8 +2,8 @@
 
     python benchmarks/dynamic_map.py [--scenario FILE] [--out docs/images/dynamic_map.png] [--json OUT]
 
-The route that `--transition dynamic` offers is executed in simulation with every pair (τ_extra, lead), in copies perturbed
-more than an offer asks for (levels 3 to 5); the pair that was chosen is framed. A trial survives when the object ends at its
+The route that `--transition dynamic` gives is executed in simulation with every pair (τ_extra, lead), on samples perturbed
+more than a plan asks for (levels 3 to 5); the pair that was chosen is framed. A trial survives when the object ends at its
 goal. Hatched: Check_Dyn expects more contacts to break than shall, so the generator dwells instead, whatever the lead.
 """
 
@@ -22,21 +22,23 @@ from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.figures.canvas import new_figure, save
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
-from wholearm_ros.rollout.verification import run_trial
+from wholearm_ros.rollout.verification import roll_out
 from wholearm_ros.trajectory.execution_options import ExecutionOptions
 from wholearm_ros.trajectory.main_trajectory import generate
 
 ROOT = Path(__file__).parents[1]
 EXTRA = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 2.0)  # [N m]
 LEADS = (0.0, 0.01, 0.02, 0.04, 0.06, 0.08, 0.11, 0.14, 0.2, 0.3)  # [s] before the transition
-LEVELS, COPIES = (3.0, 4.0, 5.0), 6  # of perturbation; copies at each
+LEVELS, SAMPLES = (3.0, 4.0, 5.0), 6  # of perturbation; samples at each
 
 
 def success_map(scenario, answer) -> tuple:
-    """Both (len(EXTRA), len(LEADS)): the share of the copies that survive, and whether there is a dynamic mode at all."""
+    """Both (len(EXTRA), len(LEADS)): the share of the samples that survive, and whether there is a dynamic mode at all."""
     chosen = ExecutionOptions.from_dict(answer.plan.execution)
-    copies = [
-        copy for level in LEVELS for copy in build_perturbed_samples(scenario, COPIES, level, 0)[1:]
+    samples = [
+        sample
+        for level in LEVELS
+        for sample in build_perturbed_samples(scenario, SAMPLES, level, 0)[1:]
     ]
     shares, dynamic = (
         np.empty((len(EXTRA), len(LEADS))),
@@ -47,7 +49,7 @@ def success_map(scenario, answer) -> tuple:
         trajectory = generate(scenario, answer.plan.with_execution(options.to_dict()), options)
         dynamic[row, column] = trajectory.time_in_modes()['dynamic'] > 0.0
         shares[row, column] = np.mean(
-            [run_trial(trajectory, scenario, copy, ControlOptions()).success for copy in copies]
+            [roll_out(trajectory, sample, ControlOptions()).success for sample in samples]
         )
     return shares, dynamic
 
@@ -93,11 +95,11 @@ def draw_map(shares: np.ndarray, dynamic: np.ndarray, execution: dict, title: st
         ylabel='extra torque τ_extra [N m]',
     )
     axes.set_title(
-        f'{title}: copies at the goal [%]\nframed: chosen; hatched: Check_Dyn says no, a dwell instead',
+        f'{title}: samples at the goal [%]\nframed: chosen; hatched: Check_Dyn says no, a dwell instead',
         fontsize='medium',
         loc='left',
     )
-    figure.colorbar(image, label='share of the copies at the goal')
+    figure.colorbar(image, label='share of the samples at the goal')
     return figure
 
 
@@ -120,7 +122,7 @@ def main():
     chosen = {name: answer.plan.execution[name] for name in ('extra_torque', 'dynamic_lead')}
     print(
         f'chosen: {chosen}; with a dynamic mode between {shares[dynamic].min():.0%} and {shares[dynamic].max():.0%} of the '
-        f'copies reach the goal; written: {options.out}'
+        f'samples reach the goal; written: {options.out}'
     )
     if options.json:
         options.json.write_text(

@@ -1,9 +1,9 @@
 """Whether plans hold up better when they are executed slower: the planned routes of a suite at other limits of speed and
-acceleration, each in the same strongly perturbed copies of its task (planar simulation).
+acceleration, each in the same strongly perturbed samples of its task (planar simulation).
 
-    python benchmarks/speeds.py [SUITE.json] [--copies 16] [--level 2] [--time-budget 3]
+    python benchmarks/speeds.py [SUITE.json] [--samples 16] [--level 2] [--time-budget 3]
 
-Routes of dynamic moves are left out: their speeds belong to the moves.
+Routes of motion primitives are left out: their speeds belong to the primitives.
 """
 
 import argparse
@@ -27,7 +27,7 @@ LIMITS = (
     (0.8, 4.0),
     (2.5, 20.0),
 )  # [rad/s], [rad/s²]; the first are the defaults
-COPIES_SEED = 77  # other copies than those the plan was verified with
+SAMPLES_SEED = 77  # other samples than those the plan was verified with
 
 
 def main():
@@ -37,7 +37,7 @@ def main():
     parser.add_argument(
         'suite', type=Path, nargs='?', default=Path(__file__).with_name('suite.json')
     )
-    parser.add_argument('--copies', type=int, default=16)
+    parser.add_argument('--samples', type=int, default=16)
     parser.add_argument('--level', type=float, default=2.0)
     parser.add_argument('--time-budget', type=float, default=3.0)
     options = parser.parse_args()
@@ -47,15 +47,17 @@ def main():
         found = plan_and_verify(scenario, PlanRequest(moves=0, time_budget=options.time_budget))
         if found.trajectory is None:
             continue
-        copies = build_perturbed_samples(scenario, options.copies, options.level, COPIES_SEED)[1:]
+        samples = build_perturbed_samples(scenario, options.samples, options.level, SAMPLES_SEED)[
+            1:
+        ]
         chosen = ExecutionOptions.from_dict(found.plan.execution)
-        runs += len(copies)
+        runs += len(samples)
         for k, (speed, acceleration) in enumerate(LIMITS):
             trajectory = generate(
                 scenario, found.plan, replace(chosen, speed=speed, acceleration=acceleration)
             )
             survived[k] += sum(
-                trial.success for trial in parallel_rollouts(trajectory, copies, ControlOptions())
+                trial.success for trial in parallel_rollouts(trajectory, samples, ControlOptions())
             )
             seconds[k] += trajectory.duration
         print(f'{task.name}: {survived} of {runs}', flush=True)

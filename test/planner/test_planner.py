@@ -1,4 +1,4 @@
-"""An offer survives its own simulation, or there is none and a reason; the same request gets the same bytes."""
+"""A plan survives its own simulation, or there is none and a reason; the same request gets the same bytes."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ BEST, RANDOM = PlanRequest(), PlanRequest(search='random', seed=3)
 
 
 @pytest.fixture(scope='module')
-def offers():
+def results():
     return {
         (name, request.search): plan_and_verify(scenario, request)
         for name, scenario in SHIPPED.items()
@@ -31,8 +31,8 @@ def offers():
 
 @pytest.mark.parametrize('search', ['best', 'random'])
 @pytest.mark.parametrize('name', SHIPPED)
-def test_the_shipped_scenarios_are_offered_and_every_copy_survives(offers, name, search):
-    found = offers[name, search]
+def test_the_shipped_scenarios_are_planned_and_every_sample_survives(results, name, search):
+    found = results[name, search]
     record = found.trajectory.verification
     assert found.plan.found and found.verification.success_rate == 1.0
     assert (
@@ -43,9 +43,9 @@ def test_the_shipped_scenarios_are_offered_and_every_copy_survives(offers, name,
 
 
 @pytest.mark.parametrize('name', SHIPPED)
-def test_the_generator_makes_the_offered_trajectory_from_the_plan_document_alone(offers, name):
+def test_the_generator_makes_the_verified_trajectory_from_the_plan_document_alone(results, name):
     """What the trajectory generator node does: the same motion and torques, bit by bit."""
-    found = offers[name, 'best']
+    found = results[name, 'best']
     plan = ContactPlan.from_json(found.plan.to_json())
     made = generate(plan.scenario, plan)
     assert made.plan_id == found.trajectory.plan_id == plan.id
@@ -54,14 +54,14 @@ def test_the_generator_makes_the_offered_trajectory_from_the_plan_document_alone
 
 
 @pytest.mark.parametrize('name', SHIPPED)
-def test_the_same_request_gives_the_same_documents(offers, name):
+def test_the_same_request_gives_the_same_documents(results, name):
     again = plan_and_verify(SHIPPED[name], RANDOM)
-    assert again.plan.to_json() == offers[name, 'random'].plan.to_json()
-    assert again.trajectory.to_json() == offers[name, 'random'].trajectory.to_json()
+    assert again.plan.to_json() == results[name, 'random'].plan.to_json()
+    assert again.trajectory.to_json() == results[name, 'random'].trajectory.to_json()
 
 
-def test_timings_name_the_three_stages(offers):
-    for found in offers.values():
+def test_timings_name_the_three_stages(results):
+    for found in results.values():
         assert set(found.timings) == {'plan_ms', 'generate_ms', 'verify_ms'}
         assert all(value > 0.0 for value in found.timings.values())
 
@@ -91,7 +91,7 @@ def test_a_graph_without_a_route_gets_its_own_reason():
 
 
 def test_a_route_that_no_copy_survives_is_not_offered():
-    """Copies so wildly perturbed that most must fail: the answer says how many candidates were tried and why they failed."""
+    """Samples so wildly perturbed that most must fail: the answer says how many candidates were tried and why they failed."""
     found = plan_and_verify(ASYMMETRIC, PlanRequest(samples=6, level=12.0, candidates=2, moves=0))
     assert found.trajectory is None and found.plan.outcome == 'not_executable'
     assert 'candidates tried' in found.plan.reason and not found.plan.legs
@@ -147,9 +147,9 @@ def test_a_polygon_of_forty_vertices_is_planned_or_refused_for_a_true_reason():
 
 
 @pytest.mark.parametrize('name', SHIPPED)
-def test_an_offered_plan_carries_its_certificate(offers, name):
+def test_a_plan_carries_its_certificate(results, name):
     """From samples of its own: in the plan's document, in its line for people, and at least as good as asked for."""
-    plan = offers[name, 'best'].plan
+    plan = results[name, 'best'].plan
     found = plan.certificate
     assert found.samples == 59 and found.level == 1.0 and found.confidence == 0.95
     assert found.lower_bound >= PlanRequest().min_success

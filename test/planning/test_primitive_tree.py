@@ -1,4 +1,4 @@
-"""Routes of dynamic moves: the same every time, from rest to rest, and honest about an end to the search."""
+"""Routes of motion primitives: the same every time, from rest to rest, and honest about an end to the search."""
 
 from dataclasses import replace
 
@@ -85,7 +85,7 @@ def test_a_limit_of_moves_is_kept_and_reported():
 
 
 def test_the_mirrored_task_is_searched_as_its_mirror_image(routes):
-    """Not to the last bit (impacts amplify rounding), but the first move is the mirrored one and the goal is reached."""
+    """Not to the last bit (impacts amplify rounding), but the first primitive is the mirrored one and the goal is reached."""
     one, two = (
         routes['asymmetric_hexagon'],
         PrimitiveRoutes(ASYMMETRIC.mirrored(), OPTIONS).next_plan(),

@@ -13,8 +13,8 @@ from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
 from wholearm_ros.rollout.verification import Rollout, Verification, verify
 
-COPIES = build_perturbed_samples(ASYMMETRIC, 4, 1.0, 0)
-NOMINAL = COPIES[:1]
+SAMPLES = build_perturbed_samples(ASYMMETRIC, 4, 1.0, 0)
+NOMINAL = SAMPLES[:1]
 
 
 @pytest.fixture(scope='module')
@@ -25,7 +25,7 @@ def trajectory():
 
 
 def test_a_good_trajectory_survives_as_told_and_in_perturbed_copies(trajectory):
-    found = verify(trajectory, COPIES)
+    found = verify(trajectory, SAMPLES)
     assert (
         found.success_rate == 1.0
         and not found.reasons()
@@ -35,7 +35,7 @@ def test_a_good_trajectory_survives_as_told_and_in_perturbed_copies(trajectory):
 
 
 def test_verification_is_the_same_every_time(trajectory):
-    one, two = (verify(trajectory, COPIES) for _ in range(2))
+    one, two = (verify(trajectory, SAMPLES) for _ in range(2))
     for a, b in zip(one.rollouts, two.rollouts):
         np.testing.assert_array_equal(a.configurations, b.configurations)
 

@@ -18,7 +18,7 @@ from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
 WINDOW = 0.12  # [s] either side of the clock in which the planned path is looked at
-PACE = 0.05  # [rad/s]: a phase of 100 ms counts as much as a residual of 5 mrad
+PHASE_WEIGHT = 0.05  # [rad/s]: a phase of 100 ms counts as much as a residual of 5 mrad
 FITTING = 0.06  # [rad] beyond which not even the best hypothesis is believed
 ANGLE_DEVIATION = 0.01  # [rad] of a rotation, standard, when the residual is zero
 
@@ -95,7 +95,7 @@ class Observer:
         )
         found: dict[str, Hypothesis] = {}
         phases = rows * trajectory.period - elapsed
-        for k in np.argsort(off**2 + (PACE * phases) ** 2, kind='stable'):
+        for k in np.argsort(off**2 + (PHASE_WEIGHT * phases) ** 2, kind='stable'):
             segment = trajectory.segments[segments[k]]
             name = f'{segment.mode}: {", ".join(segment.contacts) or "contacts unknown"}'
             pose = trajectory.poses[rows[k]]

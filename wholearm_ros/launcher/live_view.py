@@ -173,11 +173,15 @@ class LiveView:
         """Listens to the joints: raw bytes, which cost next to nothing until they are drawn."""
         newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
         client.node.create_subscription(
-            channels.JOINT_STATES.type, channels.JOINT_STATES.name, self._hear, newest, raw=True
+            channels.JOINT_STATES.type,
+            channels.JOINT_STATES.name,
+            self._on_states,
+            newest,
+            raw=True,
         )
         self._client = client
 
-    def _hear(self, data: bytes) -> None:
+    def _on_states(self, data: bytes) -> None:
         self._joints = data
 
     def __rich__(self) -> Panel:
@@ -227,7 +231,7 @@ class PlainView:
         self._last = step
 
     def on_client_ready(self, client: Client) -> None:
-        """Nothing to draw, nothing to hear."""
+        """Nothing is drawn."""
 
 
 def view_on(console: Console) -> Union[LiveView, PlainView]:

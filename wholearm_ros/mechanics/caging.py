@@ -12,7 +12,7 @@ import numpy as np
 
 from wholearm_ros.model.polygon import Polygon
 
-PAST_THE_TOP = 0.05  # [rad] how far the centroid must be past the pivot before the object is let go
+PAST_THE_TOP = 0.05  # [rad] how far the centroid must be past the pivot before the object is free
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ DECLARED = (
     Declared(
         'min_success',
         PlanRequest.min_success,
-        'least lower bound of the success rate with which a plan is offered',
+        'least lower bound of the success rate with which a plan is given',
         0.0,
         1.0,
         read_only=False,

@@ -49,7 +49,9 @@ DECLARED = (
         0.002,
         1.0,
     ),
-    Declared('hold_time', 0.5, 'how long they hold before they let go; realtime [s]', 0.0, 60.0),
+    Declared(
+        'hold_time', 0.5, 'of holding, after which their torque is zero; realtime [s]', 0.0, 60.0
+    ),
     Declared(
         'lockstep_timeout',
         10.0,
@@ -110,7 +112,7 @@ class HandHardware(WholeArmNode):
             self.every(REPEAT_PERIOD, self.repeat)
         else:
             sys.setswitchinterval(SWITCH_INTERVAL)
-            self.pace = PeriodicTimer(self.period)
+            self.timer = PeriodicTimer(self.period)
             self.motors = threading.Thread(target=self.run_on_the_wall_clock, daemon=True)
             self.motors.start()
 
@@ -158,7 +160,7 @@ class HandHardware(WholeArmNode):
                 self.publish_state(True)
 
     def show(self) -> None:
-        """For RViz and Foxglove, at the pace of people."""
+        """For RViz and Foxglove, as often as people can see."""
         with self.lock:
             now, pose, contacts = self.now, self.hand.object_pose(), self.hand.contacts()
             angles, _ = self.hand.joints()
@@ -168,7 +170,7 @@ class HandHardware(WholeArmNode):
     def run_on_the_wall_clock(self) -> None:
         """Stamps advance by one period a step."""
         while not self.leaving:
-            self.pace.wait()
+            self.timer.wait()
             with self.lock:
                 self.advance(self.now + self.period, self.guard.decide(self.now))
 
@@ -212,9 +214,9 @@ class HandHardware(WholeArmNode):
         if not self.lockstep:
             values.update(
                 {
-                    'overruns': self.pace.overruns,
-                    'worst lateness ms': self.pace.worst_late / 1e6,
-                    'behind the wall clock ms': self.pace.slipped / 1e6,
+                    'overruns': self.timer.overruns,
+                    'worst lateness ms': self.timer.worst_late / 1e6,
+                    'behind the wall clock ms': self.timer.slipped / 1e6,
                 }
             )
         if guard.state == ZERO_TORQUE:

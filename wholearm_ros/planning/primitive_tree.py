@@ -137,8 +137,8 @@ class PrimitiveTree:
             for move, q in stops_along(self.problem, state.rest, sweep, record):
                 if self._cell(q) not in self._seen:
                     self._push(k, q, move)
-        thrown = flings(self.problem, state.rest.q)
-        for fling, record in zip(thrown, self._simulate(state.rest, thrown)):
+        quick = flings(self.problem, state.rest.q)
+        for fling, record in zip(quick, self._simulate(state.rest, quick)):
             q = record.configurations[-1]
             past_the_top = record.at_rest and self.problem.rotation_left(q) < 0.0
             if past_the_top and not self.problem.hopeless(q):

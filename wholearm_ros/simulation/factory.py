@@ -19,7 +19,7 @@ def make_hand(
 ) -> HandBackend:
     """A stand-in by name: 'pybullet', 'mujoco', or 'planar' (our own forward dynamics).
 
-    scenario: as told to the planner; perturbation: what is truly different; rate [Hz]: of `step`;
+    scenario: as planned; perturbation: what is truly different; rate [Hz]: of `step`;
     view: PyBullet's window. The engines are imported here, so that one that is not installed is
     only missed when it is asked for. Raises HardwareError when it is, or has another name.
     """

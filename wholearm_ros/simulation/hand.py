@@ -1,4 +1,4 @@
-"""What a stand-in of the hand must offer."""
+"""What a simulated hand must provide."""
 
 from typing import Optional, Protocol
 

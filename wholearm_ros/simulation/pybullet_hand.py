@@ -78,7 +78,7 @@ class PyBulletHand:
         perturbation: Optional[Perturbation] = None,
         view: bool = False,
     ) -> None:
-        """scenario: as told to the planner. Raises HardwareError when there is no further world."""
+        """scenario: as planned. Raises HardwareError when there is no further world."""
         perturbation = perturbation or NOMINAL
         self.scenario = perturbation.applied(scenario)
         self.period = 1.0 / rate
