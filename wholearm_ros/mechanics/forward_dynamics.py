@@ -18,6 +18,7 @@ from wholearm_ros.kernels import statics
 from wholearm_ros.kernels.lcp import new_lcp, solve_lcp
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.world import World
+from wholearm_ros.model.configuration import ROTATION, SIZE, X, Y, joint_index
 
 RESIDUAL_TOLERANCE = 1e-9  # of the complementarity, relative to the largest bias
 BREAKS = 1e-6  # [m/s²] a contact that separates faster than this breaks
@@ -81,12 +82,12 @@ def build_forward_dynamics(
     """
     rows, _ = contact_rows(world, pairs, q)
     ahead, _ = contact_rows(world, pairs, q + RATE_STEP * q_dot)
-    driven = 4 - torque_finger
-    moving = np.array([0, 1, 2, 3 + torque_finger])
-    load = np.empty(5)
+    driven = joint_index(1 - torque_finger)
+    moving = np.array([X, Y, ROTATION, joint_index(torque_finger)])
+    load = np.empty(SIZE)
     statics.load_at(world.load, world.finger_moment, q, load)
     force = -load
-    force[3 + torque_finger] += torque
+    force[joint_index(torque_finger)] += torque
     free = (force / world.inertias)[moving]
     N = np.ascontiguousarray(rows[:, moving])
     scale = 1.0 / np.sqrt(world.inertias[moving])
