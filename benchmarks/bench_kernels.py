@@ -16,17 +16,17 @@ NUDGE = 0.01  # [m, rad] off the manifold, for the projection to take back
 
 # Loops of compiled code, so that a kernel is called as other kernels call it; each round is another configuration.
 @njit
-def _gap_tables(obj, palm, fingers, corners, qs, gaps, codes):
+def _gap_tables(world, qs, gaps, codes):
     for i in range(len(qs)):
-        geometry.gap_table(obj, palm, fingers, corners, qs[i], gaps[i], codes)
+        geometry.gap_table(world, qs[i], gaps[i], codes)
 
 
 @njit
-def _torque_ranges(rows, loads, limits, column, ends):
+def _torque_ranges(rows, loads, limits, finger, ends):
     forces = np.empty((4, 2))
     for i in range(len(rows)):
         ends[i, 0], ends[i, 1], _ = statics.torque_interval(
-            rows[i], loads[i], limits, column, forces
+            rows[i], loads[i], limits, finger, forces
         )
 
 
@@ -73,7 +73,7 @@ def _gap_table(world, qs, repeats):
     codes = np.empty(gaps.shape[1], dtype=np.int64)
 
     def compiled():
-        _gap_tables(*world.geometry, world.corners, qs, gaps, codes)
+        _gap_tables(world, qs, gaps, codes)
 
     compiled()
     np.testing.assert_allclose(gaps, [plain.gap_table(world, q) for q in qs], atol=1e-12)
@@ -91,7 +91,7 @@ def _torque_range(world, codes, expansion, batch, repeats):
     loads, ends = np.array([plain.load_at(world, q) for q in qs]), np.empty((batch, 2))
 
     def compiled():
-        _torque_ranges(rows, loads, world.torque_limits, 3, ends)
+        _torque_ranges(rows, loads, world.torque_limits, 0, ends)
 
     def obvious():
         return [plain.torque_range(r, load, world.torque_limits, 3) for r, load in zip(rows, loads)]

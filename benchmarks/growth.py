@@ -97,7 +97,7 @@ def _gap_table_seconds(task) -> float:
 
     def many():
         for _ in range(200):
-            geometry.gap_table(*task.world.geometry, task.world.corners, task.start, gaps, codes)
+            geometry.gap_table(task.world, task.start, gaps, codes)
 
     many()
     return min(seconds(many, 3)) / 200

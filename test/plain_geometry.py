@@ -3,7 +3,6 @@
 import numpy as np
 
 from wholearm_ros.mechanics.contacts import pair_name
-from wholearm_ros.model.convex import rectangle, turned
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.scenario import Scenario
 
@@ -12,13 +11,33 @@ INF = np.inf
 
 def object_outline(scenario: Scenario, q: np.ndarray) -> np.ndarray:
     """(n, 2) corners, counter-clockwise."""
-    return turned(scenario.object.polygon.vertices_about_centroid, q[:3])
+    c, s = np.cos(q[2]), np.sin(q[2])
+    return scenario.object.polygon.vertices_about_centroid @ np.array([[c, s], [-s, c]]) + q[:2]
 
 
 def finger_outline(scenario: Scenario, side: int, angle: float) -> np.ndarray:
     """(4, 2) corners, counter-clockwise."""
     f = scenario.hand[side]
     return rectangle(f.axis, angle, f.length, f.half_width)
+
+
+def rectangle(axis, angle: float, length: float, half_width: float) -> np.ndarray:
+    """(4, 2) corners, counter-clockwise: from `axis` along `angle`."""
+    along = np.array([np.cos(angle), np.sin(angle)])
+    across = half_width * np.array([-along[1], along[0]])
+    tip = axis + length * along
+    return np.array([axis - across, tip - across, tip + across, axis + across])
+
+
+def separation(a: np.ndarray, b: np.ndarray) -> float:
+    """Separation [m] of two convex outlines by the separating axis theorem; minus the depth where they overlap."""
+    return max(_apart(a, b), _apart(b, a))
+
+
+def _apart(a, b) -> float:
+    """Largest distance of b from a line through an edge of a, outwards."""
+    edges = zip(a, np.roll(a, -1, axis=0))
+    return max(min(height(point, start, end) for point in b) for start, end in edges)
 
 
 def finger_features(scenario: Scenario, side: int, angle: float) -> dict:

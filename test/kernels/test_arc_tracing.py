@@ -148,9 +148,9 @@ def test_the_pair_at_the_end_of_an_edge_is_followed_by_its_neighbour(name, verte
     """Vertex 2 of the object is put on the corner of the right finger's tip: what it had been determines what comes."""
     task = build_problem(ASYMMETRIC)
     w, q = task.world, task.start.copy()
-    corner = np.array(
-        arc_tracing.hand_edge(w.palm, w.fingers, 2, 0, arc_tracing.frame_of(q))[:2]
-    ) + w.fingers[1, 2] * np.array([np.cos(q[4]), np.sin(q[4])])
+    corner = np.array(arc_tracing.hand_edge(w, 2, 0, arc_tracing.frames_of(w, q))[:2]) + w.fingers[
+        1, 2
+    ] * np.array([np.cos(q[4]), np.sin(q[4])])
     c, s = np.cos(q[2]), np.sin(q[2])
     q[:2] += corner - (q[:2] + np.array([[c, -s], [s, c]]) @ w.obj[int(vertex_on[1]), :2])
     assert pair_name(int(arc_tracing.next_pair_at_end(w, pair_from_name(name), q))) == follows

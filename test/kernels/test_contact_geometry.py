@@ -4,13 +4,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plain_geometry import finger_features, finger_outline, gap_of, object_outline, outside
+from plain_geometry import (
+    finger_features,
+    finger_outline,
+    gap_of,
+    object_outline,
+    outside,
+    separation,
+)
 from problems import ASYMMETRIC, random_configuration, scenarios, task, worlds
 
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import contact_rows, gap_table, start_configuration
 from wholearm_ros.mechanics.world import build_world
-from wholearm_ros.model.convex import separation
 from wholearm_ros.model.hand import LEFT, RIGHT
 
 STEP = 1e-6  # [m, rad] of the finite differences
@@ -63,10 +69,10 @@ def test_sliding_rows_are_the_velocity_of_the_object_past_the_hand():
     for scenario, world, q in cases(3, 40):
         _, codes = gap_table(world, q)
         rows = np.empty((len(codes), 5))
-        geometry.tangent_rows(*world.geometry, codes, q, rows)
+        geometry.tangent_rows(world, codes, q, rows)
         rate = rng.normal(size=5)
         for row, code in zip(rows, codes):
-            px, py, nx, ny, *_ = geometry.contact(*world.geometry, code, q)
+            px, py, nx, ny, *_ = geometry.contact(world, code, q)
             body = geometry.pair_body(code)
             mine = rate[:2] + rate[2] * np.array([-(py - q[1]), px - q[0]])
             if body > 0:
@@ -94,15 +100,13 @@ def test_the_gap_table_is_the_largest_height_over_the_opposite_outline():
             expected.extend(outside(features[c], mine) for c in ('inner_corner', 'outer_corner'))
         expected.extend(outside(palm[k], mine) for k in world.corners)
         np.testing.assert_allclose(gaps, expected, atol=1e-14)
-        assert len(codes) == geometry.table_size(world.obj, world.palm, world.corners)
+        assert len(codes) == geometry.table_size(world)
 
 
 def test_every_entry_of_the_table_knows_its_place():
     for _, world, q in cases(5, 20):
         _, codes = gap_table(world, q)
-        assert [geometry.entry_of(world.obj, world.palm, world.corners, c) for c in codes] == list(
-            range(len(codes))
-        )
+        assert [geometry.entry_of(world, c) for c in codes] == list(range(len(codes)))
 
 
 def test_the_clearance_of_a_finger_is_the_separation_of_the_outlines():
@@ -111,9 +115,8 @@ def test_the_clearance_of_a_finger_is_the_separation_of_the_outlines():
     for scenario, world, q in cases(6, 200):
         gaps, codes = gap_table(world, q)
         for side in (LEFT, RIGHT):
-            found = geometry.finger_clearance(
-                world.obj, world.fingers, side, q[3 + side], q[0], q[1], np.cos(q[2]), np.sin(q[2])
-            )
+            at = geometry.frame_of_object(q)
+            found = geometry.finger_clearance(world, side, q[3 + side], at)
             expected = separation(
                 object_outline(scenario, q), finger_outline(scenario, side, q[3 + side])
             )
@@ -136,7 +139,7 @@ def test_a_finger_closes_until_it_touches_and_no_further(scenario):
     world, q = build_world(scenario), start_configuration(scenario)
     mine = object_outline(scenario, q)
     for side in (LEFT, RIGHT):
-        closing = geometry.closing_angle(world.obj, world.fingers, world.limits, side, *q[:3])
+        closing = geometry.closing_angle(world, side, q[:3])
         opened = world.limits[side, 1 if side == LEFT else 0]
         assert abs(separation(mine, finger_outline(scenario, side, closing))) < 1e-9
         for angle in np.linspace(opened, closing, 80, endpoint=False):
@@ -145,12 +148,9 @@ def test_a_finger_closes_until_it_touches_and_no_further(scenario):
 
 def test_a_finger_that_touches_nothing_or_touches_when_open_has_no_closing_angle():
     world = build_world(ASYMMETRIC)
-    far = geometry.closing_angle(world.obj, world.fingers, world.limits, LEFT, 0.0, 3.0, 0.0)
-    on_it = geometry.closing_angle(world.obj, world.fingers, world.limits, LEFT, -0.25, -0.02, 0.0)
-    run_through = geometry.closing_angle(
-        world.obj, world.fingers, world.limits, LEFT, -0.17, -0.02, 0.0
-    )
-    assert np.isnan(far) and np.isnan(on_it) and np.isnan(run_through)
+    far, on_it, run_through = (0.0, 3.0, 0.0), (-0.25, -0.02, 0.0), (-0.17, -0.02, 0.0)
+    for pose in (far, on_it, run_through):
+        assert np.isnan(geometry.closing_angle(world, LEFT, pose))
 
 
 def test_a_finger_whose_tip_grazes_an_apex_does_not_close_on_the_far_side():

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import wholearm_ros
+from wholearm_ros.kernels import SOURCES
 
 ONE = 'from wholearm_ros.kernels import kernel\n@kernel\ndef one():\n    return 1\n'
 BOTH = """from wholearm_ros.kernels import kernel
@@ -27,8 +28,8 @@ def package(tmp_path):
         (rooms / room).mkdir(parents=True)
         (rooms / room / '__init__.py').write_text('')
     (rooms / '__init__.py').write_text('')
-    for name in ('interpolation', 'configuration'):
-        (rooms / 'model' / f'{name}.py').write_text('')
+    for source in SOURCES[1:]:
+        (rooms / source).write_text('')
     shutil.copy(kernels, rooms / 'kernels' / '__init__.py')
     (rooms / 'kernels' / 'first.py').write_text(ONE)
     (rooms / 'kernels' / 'second.py').write_text(BOTH)

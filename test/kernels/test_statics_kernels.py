@@ -53,15 +53,16 @@ def contact_sets(seed: int, count: int):
             return
 
 
-def by_linprog(rows, load, limits, column):
+def by_linprog(rows, load, limits, finger):
     """(τ_min, τ_max) over (f ≥ 0, |τ_T| and |τ_V| ≤ limits), or None: the problem (6) as two linear programmes."""
-    mine, other = rows[:, column], rows[:, 7 - column]
+    column, other_column = 3 + finger, 4 - finger
+    mine, other = rows[:, column], rows[:, other_column]
     a_ub = np.vstack([-mine, mine, -other, other])
     b_ub = [
-        limits[column - 3] - load[column],
-        limits[column - 3] + load[column],
-        limits[4 - column] - load[7 - column],
-        limits[4 - column] + load[7 - column],
+        limits[finger] - load[column],
+        limits[finger] + load[column],
+        limits[1 - finger] - load[other_column],
+        limits[1 - finger] + load[other_column],
     ]
     ends = []
     for sign in (1.0, -1.0):
@@ -80,8 +81,9 @@ def by_linprog(rows, load, limits, column):
     return ends
 
 
-def by_osqp(rows, load, limits, column):
+def by_osqp(rows, load, limits, finger):
     """The same by OSQP at tight tolerance, with a ridge that moves the ends by less than 1e-7."""
+    column = 3 + finger
     a = sp.csc_matrix(np.vstack([rows[:, :3].T, rows[:, 3:].T, np.eye(4)]))
     low = np.concatenate([load[:3], load[3:] - limits, np.zeros(4)])
     high = np.concatenate([load[:3], load[3:] + limits, np.full(4, np.inf)])
@@ -98,13 +100,13 @@ def by_osqp(rows, load, limits, column):
     return ends
 
 
-@pytest.mark.parametrize('column', [3, 4])
-def test_the_interval_is_what_linear_programming_finds(column):
+@pytest.mark.parametrize('finger', [0, 1])
+def test_the_interval_is_what_linear_programming_finds(finger):
     """150 random contact sets for either torque finger: both empty, or both ends equal to 1e-7 of their size."""
     full = empty = 0
     for rows, load, limits in contact_sets(11, 150):
-        low, high, _ = torque_interval(rows, load, limits, column, np.empty((4, 2)))
-        expected = by_linprog(rows, load, limits, column)
+        low, high, _ = torque_interval(rows, load, limits, finger, np.empty((4, 2)))
+        expected = by_linprog(rows, load, limits, finger)
         if abs(high - low) < 1e-6:
             continue  # on the verge of empty the two solvers' tolerances decide
         assert (expected is None) == (low > high)
@@ -116,13 +118,13 @@ def test_the_interval_is_what_linear_programming_finds(column):
     assert full > 80 and empty > 30
 
 
-@pytest.mark.parametrize('column', [3, 4])
-def test_the_interval_is_what_osqp_finds_at_tight_tolerance(column):
+@pytest.mark.parametrize('finger', [0, 1])
+def test_the_interval_is_what_osqp_finds_at_tight_tolerance(finger):
     """100 random contact sets for either torque finger, to 1e-5 N m where OSQP comes to a solution."""
     compared = 0
     for rows, load, limits in contact_sets(12, 100):
-        low, high, _ = torque_interval(rows, load, limits, column, np.empty((4, 2)))
-        expected = by_osqp(rows, load, limits, column)
+        low, high, _ = torque_interval(rows, load, limits, finger, np.empty((4, 2)))
+        expected = by_osqp(rows, load, limits, finger)
         if high - low > 1e-6 and expected is not None:
             np.testing.assert_allclose([low, high], expected, atol=1e-5)
             compared += 1
@@ -136,7 +138,7 @@ def test_forces_balance_the_object_and_the_torque_finger_for_every_torque():
     for rows, load, _ in contact_sets(13, 50):
         for column in (3, 4):
             forces = np.empty((4, 2))
-            equilibrium_forces(rows, load, column, forces)
+            equilibrium_forces(rows, load, column - 3, forces)
             for torque in (-3.0, 0.0, 2.0):
                 f = forces[:, 0] + forces[:, 1] * torque
                 scale = 1.0 + np.abs(f).max()
@@ -148,7 +150,7 @@ def test_forces_balance_the_object_and_the_torque_finger_for_every_torque():
 
 def test_dependent_contacts_have_no_interval():
     rows = np.ones((4, 5))
-    low, high, ratio = torque_interval(rows, np.zeros(5), np.ones(2), 4, np.empty((4, 2)))
+    low, high, ratio = torque_interval(rows, np.zeros(5), np.ones(2), 1, np.empty((4, 2)))
     assert low > high and ratio < 1e-9
 
 

@@ -120,7 +120,7 @@ def test_a_step_is_gauss_principle():
         gaps, codes = gap_table(world, q)
         near = gaps < time_stepping.NEAR
         rows = np.empty((near.sum(), 5))
-        geometry.normal_rows(*world.geometry, codes[near], q, rows, np.empty(near.sum()))
+        geometry.normal_rows(world, codes[near], q, rows, np.empty(near.sum()))
         w = enumerated(rows / world.inertias @ rows.T, rows @ free + gaps[near] / H)
         _, after, _, residual = one_step(world, q, v)
         assert residual <= 1e-9
@@ -146,7 +146,7 @@ def test_impulses_push_and_only_where_contacts_close():
             continue
         hits += 1
         rows = np.empty((closed, 5))
-        geometry.normal_rows(*world.geometry, codes[active], q, rows, np.empty(closed))
+        geometry.normal_rows(world, codes[active], q, rows, np.empty(closed))
         np.testing.assert_allclose(rows @ after + gaps[active] / H, 0.0, atol=1e-9)
         impulses = np.linalg.lstsq(rows.T, world.inertias * (after - free), rcond=None)[0]
         np.testing.assert_allclose(rows.T @ impulses, world.inertias * (after - free), atol=1e-12)
@@ -212,7 +212,7 @@ def test_contact_forces_between_object_and_finger_are_equal_and_opposite():
     q = start_configuration(ASYMMETRIC)
     q[1] += 0.01
     q[4] = 0.1
-    q[3] = geometry.closing_angle(world.obj, world.fingers, world.limits, 0, *q[:3])
+    q[3] = geometry.closing_angle(world, 0, q[:3])
     v = np.array([-0.2, 0.0, 0.0, -1.0, 0.0])
     _, after, closed, _ = one_step(world, q, v, load=np.zeros(5), moment=np.zeros(2))
     assert closed >= 1

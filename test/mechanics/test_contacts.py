@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from plain_geometry import finger_outline, object_outline
+from plain_geometry import finger_outline, object_outline, separation
 from problems import ASYMMETRIC, ON_BENT_PALM, SHIPPED, scenarios
 
 from wholearm_ros.errors import ScenarioError
@@ -23,7 +23,6 @@ from wholearm_ros.mechanics.contacts import (
     start_configuration,
 )
 from wholearm_ros.mechanics.world import build_world
-from wholearm_ros.model.convex import separation
 from wholearm_ros.model.scenario import StartAtPose
 
 

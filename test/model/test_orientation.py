@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wholearm_ros.model.convex import rectangle, separation, turns
 from wholearm_ros.model.goal import goal_region
 from wholearm_ros.model.orientation import directed, goal_rotation, start_rotation
 from wholearm_ros.model.scenario import GoalOnEdge, ManipulatedObject, StartOnEdge
@@ -54,14 +53,6 @@ def test_a_mirrored_task_turns_the_other_way_by_as_much():
     assert goal_rotation(mirrored) - start_rotation(mirrored) == pytest.approx(
         -(goal_rotation(SCENARIO) - start_rotation(SCENARIO))
     )
-
-
-def test_separation_of_rectangles_is_their_distance_or_their_depth():
-    a = rectangle(np.zeros(2), 0.0, 0.1, 0.01)
-    for gap in (0.02, 0.0, -0.004):
-        b = a + [0.0, 0.02 + gap]
-        assert separation(a, b) == pytest.approx(gap, abs=1e-15)
-    assert (turns(a) == 1.0).all()
 
 
 @pytest.mark.parametrize('edge', range(6))

@@ -66,7 +66,7 @@ def test_contact_points_stay_on_their_edges():
     for task, arc in ARCS:
         for q in arc.configurations[::3]:
             for pair in arc.pairs:
-                *_, along, length = geometry.contact(*task.world.geometry, pair, q)
+                *_, along, length = geometry.contact(task.world, pair, q)
                 assert -1e-8 <= along <= length + 1e-8
 
 

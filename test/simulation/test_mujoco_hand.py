@@ -12,6 +12,7 @@ from wholearm_ros.errors import ScenarioError
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import (
     close_finger,
+    contact_rows,
     gap_table,
     pose_on_palm,
     start_configuration,
@@ -38,11 +39,7 @@ def pressed(rng: np.random.Generator, side: int, depth: float):
             q[3 + side] = close_finger(WORLD, q[:3], side)
         except ScenarioError:
             continue
-        code = deepest(q)[1]
-        lever = np.zeros(5)
-        geometry.fill_row(
-            lever, *geometry.contact(*WORLD.geometry, code, q)[:4], 1 + side, WORLD.fingers, q
-        )
+        (lever,), _ = contact_rows(WORLD, [deepest(q)[1]], q)
         q[3 + side] += CLOSING[side] * depth / abs(lever[3 + side])
         return q
 
@@ -63,7 +60,7 @@ def test_normals_and_gaps_are_those_of_the_exact_polygons(side, depth):
         gap, code = deepest(q)
         hand.reset(q)
         found = min(hand.contacts(), key=lambda c: c.gap)
-        px, py, nx, ny, *_ = geometry.contact(*WORLD.geometry, code, q)
+        px, py, nx, ny, *_ = geometry.contact(WORLD, code, q)
         assert found.other == SIDES[side]
         np.testing.assert_allclose(found.normal, [nx, ny], atol=3e-5)
         np.testing.assert_allclose(found.point, [px, py], atol=2e-4)

@@ -89,7 +89,8 @@ class ModeSwitch:
     def stop(
         self, state: SwitchState, joints: Joints, reason: str, hold: bool = False
     ) -> SwitchState:
-        """Stopped: the velocity finger holds its angle, the torque finger's torque goes to zero (slew-limited).
+        """Stopped: the velocity finger holds its angle, the torque finger's torque goes to zero,
+        slew-limited.
 
         hold: nothing is wrong, so where the object is in equilibrium the torque finger keeps the
         smallest torque that holds it, a little inside of its range.

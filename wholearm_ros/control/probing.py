@@ -13,6 +13,7 @@ import numpy as np
 
 from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
 from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.interpolation import fade, rise
 from wholearm_ros.model.probe import Probe
 
 ACCELERATION = 3.0  # [rad/s²] of the held finger at most: what it pushes must not run ahead of it
@@ -133,9 +134,9 @@ class Probing:
         held, phases = self.probe.held, state.phases
         phase = phases[state.phase]
         start = phases[state.phase - 1].angle if state.phase else float(state.first_angles[held])
-        share, rate = _quintic(now - state.phase_began, phase.duration)
+        share, rate = rise(now - state.phase_began, phase.duration)
         weight = float(self.probe.weights[held] * np.cos(joints.angles[held]))
-        kept = 1.0 - _quintic(now - state.began, RELEASE)[0]
+        kept = fade(now - state.began, RELEASE)[0]
         effort = weight + kept * (float(state.first_efforts[held]) - weight)
         turn = phase.angle - start
         return VelocitySetpoint(held, start + share * turn, rate * turn, effort)
@@ -152,7 +153,7 @@ class Probing:
         pull = min(max(STIFFNESS * (target - angle), -bound), bound)
         weight = float(probe.weights[side]) * np.cos(angle)
         effort = weight + pull - bound / CLOSING_SPEED * speed
-        kept = 1.0 - _quintic(now - state.began, RELEASE)[0]
+        kept = fade(now - state.began, RELEASE)[0]
         return TorqueSetpoint(
             side, float(effort + kept * (float(state.first_efforts[side]) - effort))
         )
@@ -175,9 +176,3 @@ def _mean(readings: tuple[Reading, ...], after: float, until: float) -> np.ndarr
 def _time(start: float, end: float) -> float:
     """[s] of a move between two angles [rad]."""
     return max(SHORTEST, float(np.sqrt(PEAK * abs(end - start) / ACCELERATION)))
-
-
-def _quintic(elapsed: float, duration: float) -> tuple[float, float]:
-    """(share of the way, its rate [1/s]), at rest at both ends."""
-    u = min(max(elapsed / duration, 0.0), 1.0)
-    return u**3 * (10.0 - 15.0 * u + 6.0 * u * u), 30.0 * (u * (1.0 - u)) ** 2 / duration

@@ -75,20 +75,7 @@ class SqueezeModel:
         """Slide [m] at which the object touches a finger that stands at `theta`; NaN when it does
         not.
         """
-        c, s = np.cos(resting.pose[2]), np.sin(resting.pose[2])
-        return float(
-            squeezing.resting_slide(
-                self.world.obj,
-                self.world.fingers,
-                side,
-                theta,
-                resting.pose[:2].copy(),
-                resting.along,
-                resting.reach,
-                c,
-                s,
-            )
-        )
+        return float(squeezing.resting_slide(self.world, _slideway(resting), side, theta))
 
     def predict(self, resting: Resting, held: int, thetas: ArrayLike) -> Prediction:
         """`squeeze` with its derivatives."""
@@ -131,19 +118,9 @@ def _squeeze(
 ) -> tuple[np.ndarray, np.ndarray]:
     thetas = np.ascontiguousarray(thetas, float)
     slides, angles = np.empty(len(thetas)), np.empty(len(thetas))
-    c, s = np.cos(resting.pose[2]), np.sin(resting.pose[2])
-    squeezing.squeeze(
-        world.obj,
-        world.fingers,
-        world.limits,
-        held,
-        thetas,
-        resting.pose[:2].copy(),
-        resting.along,
-        resting.reach,
-        c,
-        s,
-        slides,
-        angles,
-    )
+    squeezing.squeeze(world, _slideway(resting), held, thetas, slides, angles)
     return slides, angles
+
+
+def _slideway(resting: Resting) -> squeezing.Slideway:
+    return squeezing.Slideway(resting.pose, resting.along, resting.reach)

@@ -14,8 +14,11 @@ from types import FunctionType
 PACKAGE = Path(__file__).parents[1]
 SOURCES = (
     'kernels',
-    'model/interpolation.py',
     'model/configuration.py',
+    'model/frame.py',
+    'model/hand.py',
+    'model/interpolation.py',
+    'model/separation.py',
 )  # compiled, or read by what is
 
 

@@ -8,11 +8,17 @@ import numpy as np
 
 from wholearm_ros.kernels import allocating, inlined, kernel
 from wholearm_ros.kernels.geometry import (
+    EDGE_CORNER,
+    INNER,
+    INNER_CORNER,
+    OUTER,
+    OUTER_CORNER,
     PALM,
+    TIP,
     VERTEX_EDGE,
-    contact_in,
+    contact_at,
     entry_of,
-    frame_of,
+    frames_of,
     gap_table,
     hand_edge,
     normal_rows,
@@ -73,6 +79,13 @@ class ArcSamples(NamedTuple):
     statics: np.ndarray
 
 
+class Place(NamedTuple):
+    """A configuration q (5,) on an arc and the unit tangent t (5,) there."""
+
+    q: np.ndarray
+    t: np.ndarray
+
+
 class Event(NamedTuple):
     """The most violated inequality: amount > 0 when violated [m or rad], its kind, and its pair or
     joint.
@@ -110,10 +123,10 @@ class Manifold(NamedTuple):
 @allocating
 def new_manifold(world, codes):
     """The manifold of the pairs codes (4,)."""
-    n = table_size(world.obj, world.palm, world.corners)
+    n = table_size(world)
     member = np.zeros(n, np.bool_)
     for i in range(codes.shape[0]):
-        member[entry_of(world.obj, world.palm, world.corners, codes[i])] = True
+        member[entry_of(world, codes[i])] = True
     return Manifold(
         codes,
         member,
@@ -138,44 +151,45 @@ def trace_arc(world, task, samples):
     Returns (number of samples, event, its pair or index).
     """
     on = new_manifold(world, task.codes)
-    q, t, qn, tn = task.start.copy(), np.empty(SIZE), np.empty(SIZE), np.empty(SIZE)
-    event = _begin(world, on, task, q, t)
+    here, ahead = Place(task.start.copy(), np.empty(SIZE)), Place(np.empty(SIZE), np.empty(SIZE))
+    event = _begin(world, on, task, here)
     if event:
         return 0, event, 0
-    count, length, sense = 0, FIRST_STEP, _sense(task, t)
+    count, length, sense = 0, FIRST_STEP, _sense(task, here.t)
     while True:
-        count = _keep(world, on, task, q, t, samples, count)
-        event = _not_in_equilibrium(on, task, q, t, samples.statics[count - 1])
+        count = _keep(world, on, task, here, samples, count)
+        event = _not_in_equilibrium(on, task, here, samples.statics[count - 1])
         if event:
             return count, event, 0
         if count == samples.configurations.shape[0]:
             return count, TOO_LONG, 0
-        length = _predict_and_correct(world, on, q, t, length, qn, tn)
-        if length == 0.0 or _sense(task, tn) != sense:
+        length = _predict_and_correct(world, on, here, length, ahead)
+        if length == 0.0 or _sense(task, ahead.t) != sense:
             return count, SINGULAR, 0
-        past = overshoot(world, on, qn)
+        past = overshoot(world, on, ahead.q)
         if past.amount > EVENT_TOLERANCE:
-            past = _locate(world, on, q, t, length, past, qn)
-            _tangent(world, on, t, tn)
-            return _keep(world, on, task, qn, tn, samples, count), past.kind, past.which
+            past = _locate(world, on, here, length, past, ahead.q)
+            _tangent(world, on, here.t, ahead.t)
+            return _keep(world, on, task, ahead, samples, count), past.kind, past.which
         for j in range(SIZE):
-            q[j], t[j] = qn[j], tn[j]
+            here.q[j], here.t[j] = ahead.q[j], ahead.t[j]
         length = min(1.7 * length, LARGEST_STEP)
 
 
 @kernel
-def _begin(world, on, task, q, t):
-    """Bring q onto the manifold and find the tangent t there. Returns why there is no arc from
+def _begin(world, on, task, here):
+    """Bring here.q onto the manifold and find the tangent there. Returns why there is no arc from
     there, or 0.
     """
-    normal_rows(world.obj, world.palm, world.fingers, on.codes, q, on.rows, on.pair_gaps)
+    q, t = here.q, here.t
+    normal_rows(world, on.codes, q, on.rows, on.pair_gaps)
     null_vector(on.rows, world.scale, t)
     _covector(world, t, on.hold)
     if not project(world, on, q, on.hold):
         return BLOCKED
     if not _tangent(world, on, task.toward, t):
         return SINGULAR
-    if overshoot(world, on, q).amount > START_TOLERANCE or _blocked_at_start(world, on, q, t):
+    if overshoot(world, on, q).amount > START_TOLERANCE or _blocked_at_start(world, on, here):
         return BLOCKED
     if task.driver >= 0 and abs(t[joint(task.driver)]) < 1e-6:
         return SINGULAR
@@ -189,7 +203,7 @@ def project(world, on, q, hold):
     """
     rows, gaps, newton, update = on.rows, on.pair_gaps, on.newton, on.update
     for _ in range(12):
-        normal_rows(world.obj, world.palm, world.fingers, on.codes, q, rows, gaps)
+        normal_rows(world, on.codes, q, rows, gaps)
         worst = 0.0
         for i in range(4):
             worst = max(worst, abs(gaps[i]))
@@ -212,17 +226,17 @@ def project(world, on, q, hold):
 
 
 @kernel
-def _predict_and_correct(world, on, q, t, length, qn, tn):
-    """A step of at most `length` along t, brought back onto the manifold: qn, and the tangent tn
-    there. Shorter where Newton fails or the tangent turns too much. Returns the length of the
-    step, 0 when even the smallest one fails.
+def _predict_and_correct(world, on, here, length, ahead):
+    """A step of at most `length` from `here`, brought back onto the manifold: `ahead`. Shorter
+    where Newton fails or the tangent turns too much. Returns the length of the step, 0 when even
+    the smallest one fails.
     """
     while True:
-        _covector(world, t, on.hold)
-        if _projected(world, on, q, t, length, qn) and _tangent(world, on, t, tn):
+        _covector(world, here.t, on.hold)
+        if _projected(world, on, here, length, ahead.q) and _tangent(world, on, here.t, ahead.t):
             turn = 0.0
             for j in range(SIZE):
-                turn += ((tn[j] - t[j]) / world.scale[j]) ** 2
+                turn += ((ahead.t[j] - here.t[j]) / world.scale[j]) ** 2
             if turn < LARGEST_TURN**2:
                 return length
         length *= 0.4
@@ -231,11 +245,13 @@ def _predict_and_correct(world, on, q, t, length, qn, tn):
 
 
 @inlined
-def _projected(world, on, q, t, length, qn):
-    """qn: q moved by `length` along t and brought back onto the manifold. Whether it converged."""
+def _projected(world, on, here, length, q):
+    """q (5,): `length` along the tangent from `here`, brought back onto the manifold. Whether it
+    converged.
+    """
     for j in range(SIZE):
-        qn[j] = q[j] + length * t[j]
-    return project(world, on, qn, on.hold)
+        q[j] = here.q[j] + length * here.t[j]
+    return project(world, on, q, on.hold)
 
 
 @kernel
@@ -266,39 +282,40 @@ def _sense(task, t):
 
 
 @kernel
-def _keep(world, on, task, q, t, samples, count):
-    """Make q, t and their statics a sample. Returns how many there are now."""
-    statics_at(world, on, q, t, task.friction, samples.statics[count])
+def _keep(world, on, task, here, samples, count):
+    """Make `here` and its statics a sample. Returns how many there are now."""
+    statics_at(world, on, here, task.friction, samples.statics[count])
     for j in range(SIZE):
-        samples.configurations[count, j], samples.tangents[count, j] = q[j], t[j]
+        samples.configurations[count, j], samples.tangents[count, j] = here.q[j], here.t[j]
     return count + 1
 
 
 @kernel
-def statics_at(world, on, q, tangent, friction, out):
+def statics_at(world, on, here, friction, out):
     """Fill out (2, 4): per torque-controlled finger (τ_min, τ_max) frictionless and (τ_min, τ_max)
     with and without friction.
 
-    Moving along `tangent`, friction acts against the sliding of each contact. on.rows are those at
-    q.
+    Moving along the tangent, friction acts against the sliding of each contact. on.rows are those
+    at here.q.
     """
-    load_at(world.load, world.finger_moment, q, on.load)
-    tangent_rows(world.obj, world.palm, world.fingers, on.codes, q, on.slides)
-    tilt_rows(on.rows, on.slides, tangent, friction, on.tilted)
+    limits = world.torque_limits
+    load_at(world.load, world.finger_moment, here.q, on.load)
+    tangent_rows(world, on.codes, here.q, on.slides)
+    tilt_rows(on.rows, on.slides, here.t, friction, on.tilted)
     for side in range(2):
-        column, limits = joint(side), world.torque_limits
-        low, high, _ = torque_interval(on.rows, on.load, limits, column, on.forces)
+        low, high, _ = torque_interval(on.rows, on.load, limits, side, on.forces)
         out[side, 0], out[side, 1] = low, high
-        low2, high2, _ = torque_interval(on.tilted, on.load, limits, column, on.forces)
+        low2, high2, _ = torque_interval(on.tilted, on.load, limits, side, on.forces)
         out[side, 2], out[side, 3] = max(low, low2), min(high, high2)
 
 
 @inlined
-def _not_in_equilibrium(on, task, q, t, statics):
+def _not_in_equilibrium(on, task, here, statics):
     """CAGED or NO_EQUILIBRIUM where no torque of either finger holds the object, else 0."""
     if statics[0, 0] <= statics[0, 1] or statics[1, 0] <= statics[1, 1]:
         return 0
-    if touches_palm(on.codes) and in_cage(task.cages, q[ROTATION]) and t[ROTATION] > 0.0:
+    caged = touches_palm(on.codes) and in_cage(task.cages, here.q[ROTATION])
+    if caged and here.t[ROTATION] > 0.0:
         return CAGED
     return NO_EQUILIBRIUM
 
@@ -326,14 +343,14 @@ def overshoot(world, on, q):
     """The `Event` of the most violated inequality at q."""
     worst, kind, which = -np.inf, 0, 0
     gaps, limits = on.gaps, world.limits
-    gap_table(world.obj, world.palm, world.fingers, world.corners, q, gaps, on.table_codes)
+    gap_table(world, q, gaps, on.table_codes)
     for e in range(gaps.shape[0]):
         if not on.member[e] and -gaps[e] > worst:
             worst, kind, which = -gaps[e], CLOSED, on.table_codes[e]
-    frame = frame_of(q)
+    frames = frames_of(world, q)
     for i in range(on.codes.shape[0]):
-        along, length = _along(world, on.codes[i], q, frame)
-        past = max(-along, along - length)
+        contact = contact_at(world, on.codes[i], frames)
+        past = max(-contact.along, contact.along - contact.length)
         if past > worst:
             worst, kind, which = past, EDGE_END, on.codes[i]
     for side in range(2):
@@ -343,22 +360,16 @@ def overshoot(world, on, q):
     return Event(worst, kind, which)
 
 
-@inlined
-def _along(world, code, q, frame):
-    """(position of the contact point along its edge, length of the edge) [m]."""
-    _, _, _, _, _, along, length = contact_in(world.obj, world.palm, world.fingers, code, q, frame)
-    return along, length
-
-
 @allocating
-def _blocked_at_start(world, on, q, t):
-    """Whether a feature that is closed at q, but not one of the pairs, would penetrate when moving
-    along t.
+def _blocked_at_start(world, on, here):
+    """Whether a feature that is closed here, but not one of the pairs, would penetrate when moving
+    along the tangent.
     """
-    probe, gaps, codes = q + PROBE * t, on.gaps, on.table_codes
-    gap_table(world.obj, world.palm, world.fingers, world.corners, q, gaps, codes)
+    q, t, gaps, codes = here.q, here.t, on.gaps, on.table_codes
+    probe = q + PROBE * t
+    gap_table(world, q, gaps, codes)
     before = gaps.copy()
-    gap_table(world.obj, world.palm, world.fingers, world.corners, probe, gaps, codes)
+    gap_table(world, probe, gaps, codes)
     for e in range(gaps.shape[0]):
         closing = gaps[e] - before[e] < -1e-4 * PROBE
         if not on.member[e] and before[e] < START_TOLERANCE and closing:
@@ -367,33 +378,35 @@ def _blocked_at_start(world, on, q, t):
         j, low, high = joint(side), world.limits[side, 0], world.limits[side, 1]
         if (q[j] <= low + 1e-9 and t[j] < 0.0) or (q[j] >= high - 1e-9 and t[j] > 0.0):
             return True
-    frame, frame_ahead = frame_of(q), frame_of(probe)
+    frames, frames_ahead = frames_of(world, q), frames_of(world, probe)
     for i in range(4):
-        along, length = _along(world, on.codes[i], q, frame)
-        later, _ = _along(world, on.codes[i], probe, frame_ahead)
-        if (along < 1e-8 and later < along) or (along > length - 1e-8 and later > along):
+        now = contact_at(world, on.codes[i], frames)
+        later = contact_at(world, on.codes[i], frames_ahead).along
+        if (now.along < 1e-8 and later < now.along) or (
+            now.along > now.length - 1e-8 and later > now.along
+        ):
             return True
     return False
 
 
 @kernel
-def _locate(world, on, q, t, length, past, qn):
+def _locate(world, on, here, length, past, q):
     """Shrink [0, length] around the first instant at which the worst inequality is violated, by
-    regula falsi and every third time by halving; qn receives the configuration. past: the event
+    regula falsi and every third time by halving; q receives the configuration. past: the event
     at `length`. Returns the event.
     """
     low, high = 0.0, length
-    value_low, value_high = overshoot(world, on, q).amount, past.amount
-    _covector(world, t, on.hold)
+    value_low, value_high = overshoot(world, on, here.q).amount, past.amount
+    _covector(world, here.t, on.hold)
     for k in range(60):
         middle = 0.5 * (low + high)
         if k % 3 != 2 and value_low < 0.0 and value_high > value_low:
             middle = low + (high - low) * (-value_low) / (value_high - value_low)
             middle = min(max(middle, low + 0.01 * (high - low)), high - 0.01 * (high - low))
-        if not _projected(world, on, q, t, middle, qn):
+        if not _projected(world, on, here, middle, q):
             high = middle
             continue
-        found = overshoot(world, on, qn)
+        found = overshoot(world, on, q)
         if found.amount > 0.0:
             high, value_high, past = middle, found.amount, found
             if found.amount < EVENT_TOLERANCE:
@@ -402,8 +415,8 @@ def _locate(world, on, q, t, length, past, qn):
             low, value_low = middle, found.amount
         if high - low < 1e-13:
             break
-    _projected(world, on, q, t, high, qn)
-    return _named(world, on, qn, past)
+    _projected(world, on, here, high, q)
+    return _named(world, on, q, past)
 
 
 @inlined
@@ -412,10 +425,10 @@ def _named(world, on, q, event):
     edge.
     """
     if event.kind == CLOSED:
-        frame = frame_of(q)
+        frames = frames_of(world, q)
         for i in range(on.codes.shape[0]):
-            along, length = _along(world, on.codes[i], q, frame)
-            at_end = along < SAME_POINT or along > length - SAME_POINT
+            found = contact_at(world, on.codes[i], frames)
+            at_end = found.along < SAME_POINT or found.along > found.length - SAME_POINT
             if at_end and pair_body(on.codes[i]) == pair_body(event.which):
                 return Event(event.amount, EDGE_END, on.codes[i])
     return event
@@ -431,69 +444,69 @@ def next_pair_at_end(world, code, q):
     the direction in which the object leaves the edge. Returns −1 when there is none (a finger's
     base, the palm's end with nothing beyond).
     """
-    body, frame, n = pair_body(code), frame_of(q), world.obj.shape[0]
-    _, _, nx, ny, _, _, _ = contact_in(world.obj, world.palm, world.fingers, code, q, frame)
-    vertex, corner, dx, dy = _meeting(world, code, q, frame)
+    body, frames, n = pair_body(code), frames_of(world, q), world.obj.shape[0]
+    contact = contact_at(world, code, frames)
+    vertex, corner, dx, dy = _meeting(world, code, contact, frames)
     best, angle = -1, np.pi
     if corner < 0:
         return best
     for k in range(4):
         if k < 2:
             j = vertex if k == 0 else (vertex - 1) % n
-            candidate = pair_code(1, body, corner, j)
-            _, _, _, _, mx, my, _ = object_edge(world.obj, j, q, frame)
-            mx, my = -mx, -my
+            candidate = pair_code(EDGE_CORNER, body, corner, j)
+            next_edge = object_edge(world, j, frames.object)
+            mx, my = -next_edge.nx, -next_edge.ny
         else:
-            edge = _hand_edge_at(world.palm, body, corner, k - 2)
+            edge = _hand_edge_at(world, body, corner, k - 2)
             if edge < 0:
                 continue
-            candidate = pair_code(0, body, edge, vertex)
-            _, _, _, _, mx, my, _ = hand_edge(world.palm, world.fingers, body, edge, frame)
-        turned = np.arctan2(dx * mx + dy * my, nx * mx + ny * my)
+            candidate = pair_code(VERTEX_EDGE, body, edge, vertex)
+            next_edge = hand_edge(world, body, edge, frames)
+            mx, my = next_edge.nx, next_edge.ny
+        turned = np.arctan2(dx * mx + dy * my, contact.nx * mx + contact.ny * my)
         if candidate != code and -PARALLEL < turned < angle:
             best, angle = candidate, turned
     return best
 
 
 @inlined
-def _meeting(world, code, q, frame):
+def _meeting(world, code, contact, frames):
     """(object vertex, hand corner or −1, direction x, y in which the object leaves the edge) of a
     contact at its edge's end.
     """
     body, hand, mine = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
-    along, length = _along(world, code, q, frame)
-    at_end = along > 0.5 * length
+    at_end = contact.along > 0.5 * contact.length
     if pair_kind(code) == VERTEX_EDGE:
-        _, _, dx, dy, _, _, _ = hand_edge(world.palm, world.fingers, body, hand, frame)
+        edge = hand_edge(world, body, hand, frames)
         vertex, corner, outwards = mine, _hand_corner_at(body, hand, at_end), at_end
     else:
-        _, _, dx, dy, _, _, _ = object_edge(world.obj, mine, q, frame)
+        edge = object_edge(world, mine, frames.object)
         vertex = (mine + 1) % world.obj.shape[0] if at_end else mine
         corner, outwards = hand, not at_end
-    return vertex, corner, dx if outwards else -dx, dy if outwards else -dy
+    return vertex, corner, edge.dx if outwards else -edge.dx, edge.dy if outwards else -edge.dy
 
 
 @kernel
 def _hand_corner_at(body, edge, at_end):
     """The corner at that end of a hand edge, or −1."""
-    if body == 0:
+    if body == PALM:
         return edge + 1 if at_end else edge
-    if edge == 0:
-        return 0 if at_end else -1
-    if edge == 1:
-        return 0 if at_end else 1
-    return 1 if at_end else -1
+    if edge == INNER:
+        return INNER_CORNER if at_end else -1
+    if edge == TIP:
+        return INNER_CORNER if at_end else OUTER_CORNER
+    return OUTER_CORNER if at_end else -1
 
 
-@kernel
-def _hand_edge_at(palm, body, corner, k):
+@inlined
+def _hand_edge_at(world, body, corner, k):
     """The two hand edges that meet in a corner."""
-    if body == 0:
+    if body == PALM:
         edge = corner - 1 + k
-        return edge if 0 <= edge < palm.shape[0] - 1 else -1
+        return edge if 0 <= edge < world.palm.shape[0] - 1 else -1
     if k == 1:
-        return 1
-    return 0 if corner == 0 else 2
+        return TIP
+    return INNER if corner == INNER_CORNER else OUTER
 
 
 class FollowedCourse(NamedTuple):
@@ -547,7 +560,7 @@ def follow(world, following, thetas, course):
         if (t[column] > 0.0) != rising:
             for j in range(SIZE):
                 t[j] = -t[j]
-        statics_at(world, on, q, t, following.friction, course.statics[k])
+        statics_at(world, on, Place(q, t), following.friction, course.statics[k])
         _velocity_torque(on, following.driver, course.gains[k])
     return thetas.shape[0]
 
@@ -558,7 +571,7 @@ def _velocity_torque(on, driver, gains):
     rows and load looked at last.
     """
     column = joint(driver)
-    equilibrium_forces(on.rows, on.load, joint(1 - driver), on.forces)
+    equilibrium_forces(on.rows, on.load, 1 - driver, on.forces)
     gains[0], gains[1] = on.load[column], 0.0
     for c in range(4):
         gains[0] -= on.rows[c, column] * on.forces[c, 0]

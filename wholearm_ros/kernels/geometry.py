@@ -1,24 +1,69 @@
 """Contact pairs, their gaps and Jacobian rows, and the table of gaps that could close.
 
-A configuration is q = (x, y, φ, θ_L, θ_R): centroid [m], rotation [rad], joint angles [rad]. A
-contact pair is one integer, see `pair_code`. Geometry arrays ("world"):
-    obj (n, 5) vertices about the centroid, palm (p, 5) polyline, both with rows (x, y, normal x, y
-    and length of the edge that starts there; the normal points out of the object, and to the free
-    side of the palm),
-    fingers (2, 4) rows (axis x, axis y, length, half width),
-    corners (c,) indices of the palm vertices that can touch an object edge.
-Whoever asks for several pairs of one configuration finds its `frame_of` once and calls the
-functions that end in `_in`.
+A configuration is q = (x, y, φ, θ_L, θ_R), see `model/configuration.py`; a contact pair is one
+integer, see `pair_code`. Whoever asks for several pairs of one configuration finds its `frames_of`
+once and calls the functions that take them.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
-from wholearm_ros.kernels import kernel
+from wholearm_ros.kernels import inlined, kernel
+from wholearm_ros.kernels.world import joint
+from wholearm_ros.model import frame, separation
+from wholearm_ros.model.configuration import LEFT_JOINT, RIGHT_JOINT, ROTATION, X, Y
+from wholearm_ros.model.frame import Frame
+from wholearm_ros.model.hand import LEFT, RIGHT
 
 VERTEX_EDGE, EDGE_CORNER = 0, 1  # object vertex on hand edge; object edge on hand corner
 PALM, LEFT_FINGER, RIGHT_FINGER = 0, 1, 2
 INNER, TIP, OUTER, BASE = 0, 1, 2, 3  # edges of a finger
 INNER_CORNER, OUTER_CORNER = 0, 1  # its two corners at the tip
+SWEEP, HALVINGS = 90, 50  # steps of a closing finger's sweep, and of the bisection of the last one
+
+frame_at = inlined(frame.frame_at)
+in_world = inlined(frame.in_world)
+in_body = inlined(frame.in_body)
+turned = inlined(frame.turned)
+point_clearance = inlined(separation.point_clearance)
+_clearance = inlined(separation.finger_clearance)
+
+
+class Frames(NamedTuple):
+    """Of the moving bodies at a configuration. A finger's origin is its axis; x runs along it."""
+
+    object: Frame
+    left: Frame
+    right: Frame
+
+
+class Edge(NamedTuple):
+    """An edge in the world: start x, y [m], unit direction dx, dy, unit normal nx, ny out of its
+    body, length [m].
+    """
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+    nx: float
+    ny: float
+    length: float
+
+
+class Contact(NamedTuple):
+    """A contact pair at a configuration: point x, y [m], unit normal nx, ny towards the object,
+    gap [m], position along its edge and length of that edge [m].
+    """
+
+    x: float
+    y: float
+    nx: float
+    ny: float
+    gap: float
+    along: float
+    length: float
 
 
 @kernel
@@ -51,330 +96,318 @@ def pair_object_feature(code):
     return code & 255
 
 
-@kernel
-def frame_of(q):
-    """Cosine and sine of φ, θ_L and θ_R."""
-    return np.cos(q[2]), np.sin(q[2]), np.cos(q[3]), np.sin(q[3]), np.cos(q[4]), np.sin(q[4])
-
-
-@kernel
-def finger_axes(side, frame):
-    """Direction u and inner normal w (towards the other finger) of a finger."""
-    ux, uy = frame[2 + 2 * side], frame[3 + 2 * side]
-    if side == 0:
-        return ux, uy, uy, -ux
-    return ux, uy, -uy, ux
-
-
-@kernel
-def finger_edge(fingers, side, feature, frame):
-    """(start x, y, direction x, y, outward normal x, y, length) of a finger's edge."""
-    ax, ay, length, half = fingers[side, 0], fingers[side, 1], fingers[side, 2], fingers[side, 3]
-    ux, uy, wx, wy = finger_axes(side, frame)
-    if feature == 0:
-        return ax + half * wx, ay + half * wy, ux, uy, wx, wy, length
-    if feature == 1:
-        return (
-            ax + length * ux - half * wx,
-            ay + length * uy - half * wy,
-            wx,
-            wy,
-            ux,
-            uy,
-            2.0 * half,
-        )
-    if feature == 2:
-        return ax - half * wx, ay - half * wy, ux, uy, -wx, -wy, length
-    return ax - half * wx, ay - half * wy, wx, wy, -ux, -uy, 2.0 * half
-
-
-@kernel
-def finger_corner(fingers, side, feature, frame):
-    """(x, y) of a finger's corner at the tip."""
-    ux, uy, wx, wy = finger_axes(side, frame)
-    h = fingers[side, 3] if feature == 0 else -fingers[side, 3]
-    length = fingers[side, 2]
-    return fingers[side, 0] + length * ux + h * wx, fingers[side, 1] + length * uy + h * wy
-
-
-@kernel
-def palm_edge(palm, k):
-    """(start x, y, direction x, y, normal to the free side x, y, length) of a palm edge."""
-    nx, ny = palm[k, 2], palm[k, 3]
-    return palm[k, 0], palm[k, 1], ny, -nx, nx, ny, palm[k, 4]
-
-
-@kernel
-def object_vertex(obj, i, q, frame):
-    """(x, y) of a vertex of the object [m]."""
-    c, s = frame[0], frame[1]
-    return q[0] + c * obj[i, 0] - s * obj[i, 1], q[1] + s * obj[i, 0] + c * obj[i, 1]
-
-
-@kernel
-def object_edge(obj, j, q, frame):
-    """(start x, y, direction x, y, outward normal x, y, length) of an object edge."""
-    c, s = frame[0], frame[1]
-    ax, ay = object_vertex(obj, j, q, frame)
-    nx, ny = c * obj[j, 2] - s * obj[j, 3], s * obj[j, 2] + c * obj[j, 3]
-    return ax, ay, -ny, nx, nx, ny, obj[j, 4]
-
-
-@kernel
-def hand_edge(palm, fingers, body, feature, frame):
-    """`palm_edge` or `finger_edge`."""
-    if body == 0:
-        return palm_edge(palm, feature)
-    return finger_edge(fingers, body - 1, feature, frame)
-
-
-@kernel
-def hand_corner(palm, fingers, body, feature, frame):
-    """(x, y) of a vertex of the palm or of a finger's corner [m]."""
-    if body == 0:
-        return palm[feature, 0], palm[feature, 1]
-    return finger_corner(fingers, body - 1, feature, frame)
-
-
-@kernel
-def contact(obj, palm, fingers, code, q):
-    """(point x, y, normal towards the object x, y, gap, position along the edge, edge length) of a
-    pair [m].
-    """
-    return contact_in(obj, palm, fingers, code, q, frame_of(q))
-
-
-@kernel
-def contact_in(obj, palm, fingers, code, q, frame):
-    """`contact`, the configuration's frame being known."""
-    body, hand_feature, object_feature = (
-        pair_body(code),
-        pair_hand_feature(code),
-        pair_object_feature(code),
+@inlined
+def frames_of(world, q):
+    """The `Frames` at q (5,)."""
+    return Frames(
+        frame_of_object(q),
+        finger_frame(world, LEFT, q[LEFT_JOINT]),
+        finger_frame(world, RIGHT, q[RIGHT_JOINT]),
     )
-    if pair_kind(code) == 0:
-        px, py = object_vertex(obj, object_feature, q, frame)
-        ax, ay, dx, dy, nx, ny, length = hand_edge(palm, fingers, body, hand_feature, frame)
-        rx, ry = px - ax, py - ay
-        return px, py, nx, ny, nx * rx + ny * ry, dx * rx + dy * ry, length
-    px, py = hand_corner(palm, fingers, body, hand_feature, frame)
-    ax, ay, dx, dy, mx, my, length = object_edge(obj, object_feature, q, frame)
-    rx, ry = px - ax, py - ay
-    return px, py, -mx, -my, mx * rx + my * ry, dx * rx + dy * ry, length
 
 
-@kernel
-def fill_row(row, px, py, nx, ny, body, fingers, q):
-    """Row of ∂(motion along n at p of object relative to hand)/∂q̇: [nᵀ, n·(p−o)^⊥, −n·(p−axis)^⊥
-    in the finger's column].
+@inlined
+def frame_of_object(pose):
+    """At x, y [m] and rotation [rad], the first three coordinates."""
+    return frame_at(pose[X], pose[Y], pose[ROTATION])
+
+
+@inlined
+def finger_frame(world, side, theta):
+    """The frame of a finger at a joint angle [rad]."""
+    return frame_at(world.fingers[side, 0], world.fingers[side, 1], theta)
+
+
+@inlined
+def frame_of_finger(frames, side):
+    """That of the left or the right finger."""
+    return frames.left if side == LEFT else frames.right
+
+
+@inlined
+def _inward(side):
+    """Sign of the coordinate across a finger on its inner side, which faces the other one."""
+    return -1.0 if side == LEFT else 1.0
+
+
+@inlined
+def finger_edge(world, side, feature, at):
+    """The `Edge` of a finger whose frame is `at`."""
+    inward, length, half = _inward(side), world.fingers[side, 2], world.fingers[side, 3]
+    wx, wy = -inward * at.sin, inward * at.cos
+    if feature == INNER:
+        x, y = in_world(at, 0.0, inward * half)
+        return Edge(x, y, at.cos, at.sin, wx, wy, length)
+    if feature == TIP:
+        x, y = in_world(at, length, -inward * half)
+        return Edge(x, y, wx, wy, at.cos, at.sin, 2.0 * half)
+    x, y = in_world(at, 0.0, -inward * half)
+    if feature == OUTER:
+        return Edge(x, y, at.cos, at.sin, -wx, -wy, length)
+    return Edge(x, y, wx, wy, -at.cos, -at.sin, 2.0 * half)
+
+
+@inlined
+def finger_corner(world, side, feature, at):
+    """(x, y) [m] of a corner at the tip of a finger whose frame is `at`."""
+    half = world.fingers[side, 3] if feature == INNER_CORNER else -world.fingers[side, 3]
+    return in_world(at, world.fingers[side, 2], _inward(side) * half)
+
+
+@inlined
+def palm_edge(world, k):
+    """The `Edge` k of the palm; its normal points to the free side."""
+    x, y, nx, ny = world.palm[k, 0], world.palm[k, 1], world.palm[k, 2], world.palm[k, 3]
+    return Edge(x, y, ny, -nx, nx, ny, world.palm[k, 4])
+
+
+@inlined
+def object_vertex(world, i, at):
+    """(x, y) [m] of a vertex of the object, whose frame is `at`."""
+    return in_world(at, world.obj[i, 0], world.obj[i, 1])
+
+
+@inlined
+def object_edge(world, j, at):
+    """The `Edge` j of the object, whose frame is `at`."""
+    x, y = object_vertex(world, j, at)
+    nx, ny = turned(at, world.obj[j, 2], world.obj[j, 3])
+    return Edge(x, y, -ny, nx, nx, ny, world.obj[j, 4])
+
+
+@inlined
+def hand_edge(world, body, feature, frames):
+    """`palm_edge` or `finger_edge`."""
+    if body == PALM:
+        return palm_edge(world, feature)
+    side = body - LEFT_FINGER
+    return finger_edge(world, side, feature, frame_of_finger(frames, side))
+
+
+@inlined
+def hand_corner(world, body, feature, frames):
+    """(x, y) [m] of a vertex of the palm or of a finger's corner."""
+    if body == PALM:
+        return world.palm[feature, 0], world.palm[feature, 1]
+    side = body - LEFT_FINGER
+    return finger_corner(world, side, feature, frame_of_finger(frames, side))
+
+
+@inlined
+def contact(world, code, q):
+    """The `Contact` of a pair at q (5,)."""
+    return contact_at(world, code, frames_of(world, q))
+
+
+@inlined
+def contact_at(world, code, frames):
+    """The `Contact` of a pair where the bodies have these `Frames`."""
+    body, hand, mine = pair_body(code), pair_hand_feature(code), pair_object_feature(code)
+    if pair_kind(code) == VERTEX_EDGE:
+        x, y = object_vertex(world, mine, frames.object)
+        edge = hand_edge(world, body, hand, frames)
+        nx, ny = edge.nx, edge.ny
+    else:
+        x, y = hand_corner(world, body, hand, frames)
+        edge = object_edge(world, mine, frames.object)
+        nx, ny = -edge.nx, -edge.ny
+    rx, ry = x - edge.x, y - edge.y
+    gap, along = edge.nx * rx + edge.ny * ry, edge.dx * rx + edge.dy * ry
+    return Contact(x, y, nx, ny, gap, along, edge.length)
+
+
+@inlined
+def sliding(contact):
+    """The contact with its normal turned by +90°: the direction in which the object slides."""
+    x, y, nx, ny, gap, along, length = contact
+    return Contact(x, y, -ny, nx, gap, along, length)
+
+
+@inlined
+def fill_row(contact, body, frames, row):
+    """Row (5,) of ∂(motion of object relative to hand along n at p)/∂q̇: [nᵀ, n·(p−o)^⊥,
+    −n·(p−axis)^⊥ in the finger's column].
     """
-    row[0], row[1] = nx, ny
-    row[2] = -nx * (py - q[1]) + ny * (px - q[0])
-    row[3], row[4] = 0.0, 0.0
-    if body > 0:
-        ax, ay = fingers[body - 1, 0], fingers[body - 1, 1]
-        row[2 + body] = -(-nx * (py - ay) + ny * (px - ax))
+    row[X], row[Y] = contact.nx, contact.ny
+    row[ROTATION] = _moment(contact, frames.object)
+    row[LEFT_JOINT], row[RIGHT_JOINT] = 0.0, 0.0
+    if body != PALM:
+        side = body - LEFT_FINGER
+        row[joint(side)] = -_moment(contact, frame_of_finger(frames, side))
+
+
+@inlined
+def _moment(contact, about):
+    """n·(p − o)^⊥ [m] about a frame's origin."""
+    return -contact.nx * (contact.y - about.y) + contact.ny * (contact.x - about.x)
 
 
 @kernel
-def normal_rows(obj, palm, fingers, codes, q, rows, gaps):
+def normal_rows(world, codes, q, rows, gaps):
     """Fill rows (k, 5) = ∂gap/∂q = [G_nᵀ, −J_n] of eq. (1), and gaps (k,)."""
-    frame = frame_of(q)
+    frames = frames_of(world, q)
     for i in range(codes.shape[0]):
-        px, py, nx, ny, gap, _, _ = contact_in(obj, palm, fingers, codes[i], q, frame)
-        fill_row(rows[i], px, py, nx, ny, pair_body(codes[i]), fingers, q)
-        gaps[i] = gap
+        found = contact_at(world, codes[i], frames)
+        fill_row(found, pair_body(codes[i]), frames, rows[i])
+        gaps[i] = found.gap
 
 
 @kernel
-def tangent_rows(obj, palm, fingers, codes, q, rows):
+def tangent_rows(world, codes, q, rows):
     """Fill rows (k, 5): sliding speed of the object on the hand is rows @ q̇, along the normal
     turned by +90°.
     """
-    frame = frame_of(q)
+    frames = frames_of(world, q)
     for i in range(codes.shape[0]):
-        px, py, nx, ny, _, _, _ = contact_in(obj, palm, fingers, codes[i], q, frame)
-        fill_row(rows[i], px, py, -ny, nx, pair_body(codes[i]), fingers, q)
+        found = contact_at(world, codes[i], frames)
+        fill_row(sliding(found), pair_body(codes[i]), frames, rows[i])
 
 
-@kernel
-def table_size(obj, palm, corners):
+@inlined
+def table_size(world):
     """Entries of the gap table: each object vertex with each palm edge and finger, each hand
     corner with the object.
     """
-    return obj.shape[0] * (palm.shape[0] + 1) + corners.shape[0] + 4
+    return _first_corner(world) + 4 + world.corners.shape[0]
+
+
+@inlined
+def _first_corner(world):
+    """The table's first entry of a hand corner: after every vertex with every palm edge and both
+    fingers.
+    """
+    return world.obj.shape[0] * (world.palm.shape[0] + 1)
 
 
 @kernel
-def entry_of(obj, palm, corners, code):
+def entry_of(world, code):
     """Index of the table's entry that a pair belongs to."""
-    n, body, feature = obj.shape[0], pair_body(code), pair_hand_feature(code)
-    p = palm.shape[0] - 1
-    if pair_kind(code) == 0:
-        column = feature if body == 0 else p + body - 1
+    n, body, feature = world.obj.shape[0], pair_body(code), pair_hand_feature(code)
+    if pair_kind(code) == VERTEX_EDGE:
+        column = feature if body == PALM else world.palm.shape[0] - 1 + body - LEFT_FINGER
         return column * n + pair_object_feature(code)
-    base = n * (p + 2)
-    if body > 0:
-        return base + 2 * (body - 1) + feature
-    for i in range(corners.shape[0]):
-        if corners[i] == feature:
+    base = _first_corner(world)
+    if body != PALM:
+        return base + 2 * (body - LEFT_FINGER) + feature
+    for i in range(world.corners.shape[0]):
+        if world.corners[i] == feature:
             return base + 4 + i
     return -1
 
 
-@kernel
-def corner_depth(obj, px, py, q, frame):
-    """(signed distance of a point to the object's nearest edge line from outside, that edge): max
-    over edges.
-    """
-    c, s = frame[0], frame[1]
-    x, y = c * (px - q[0]) + s * (py - q[1]), c * (py - q[1]) - s * (px - q[0])
-    best, edge = -np.inf, -1
-    for j in range(obj.shape[0]):
-        gap = obj[j, 2] * (x - obj[j, 0]) + obj[j, 3] * (y - obj[j, 1])
-        if gap > best:
-            best, edge = gap, j
-    return best, edge
-
-
-@kernel
-def _vertex_on_palm(obj, palm, k, i, vx, vy):
+@inlined
+def _vertex_on_palm(world, k, i, x, y):
     """A vertex beside the edge's extent has an infinite gap."""
-    ax, ay, dx, dy, nx, ny, length = palm_edge(palm, k)
-    inside = 0.0 <= dx * (vx - ax) + dy * (vy - ay) <= length
-    return nx * (vx - ax) + ny * (vy - ay) if inside else np.inf, pair_code(0, 0, k, i)
+    edge = palm_edge(world, k)
+    rx, ry = x - edge.x, y - edge.y
+    inside = 0.0 <= edge.dx * rx + edge.dy * ry <= edge.length
+    gap = edge.nx * rx + edge.ny * ry if inside else np.inf
+    return gap, pair_code(VERTEX_EDGE, PALM, k, i)
 
 
-@kernel
-def _vertex_on_finger(fingers, side, i, vx, vy, frame):
-    ux, uy, wx, wy = finger_axes(side, frame)
-    rx, ry = vx - fingers[side, 0], vy - fingers[side, 1]
-    along, across = ux * rx + uy * ry, wx * rx + wy * ry
-    half = fingers[side, 3]
-    best, feature = across - half, 0
-    if along - fingers[side, 2] > best:
-        best, feature = along - fingers[side, 2], 1
-    if -across - half > best:
-        best, feature = -across - half, 2
+@inlined
+def _vertex_on_finger(world, side, i, x, y, at):
+    along, across = in_body(at, x, y)
+    inner, length, half = _inward(side) * across, world.fingers[side, 2], world.fingers[side, 3]
+    best, feature = inner - half, INNER
+    if along - length > best:
+        best, feature = along - length, TIP
+    if -inner - half > best:
+        best, feature = -inner - half, OUTER
     if -along > best:
-        best, feature = -along, 3
-    return best, pair_code(0, 1 + side, feature, i)
+        best, feature = -along, BASE
+    return best, pair_code(VERTEX_EDGE, LEFT_FINGER + side, feature, i)
+
+
+@inlined
+def _object_on_corner(world, k, frames):
+    """Both corners of the left finger, of the right one, then those of the palm."""
+    body, feature = (LEFT_FINGER + k // 2, k % 2) if k < 4 else (PALM, world.corners[k - 4])
+    x, y = hand_corner(world, body, feature, frames)
+    gap, edge = point_clearance(world.obj, frames.object, x, y)
+    return gap, pair_code(EDGE_CORNER, body, feature, edge)
 
 
 @kernel
-def _object_on_corner(obj, palm, fingers, corners, k, q, frame):
-    body, feature = (1 + k // 2, k % 2) if k < 4 else (0, corners[k - 4])
-    px, py = hand_corner(palm, fingers, body, feature, frame)
-    gap, edge = corner_depth(obj, px, py, q, frame)
-    return gap, pair_code(1, body, feature, edge)
-
-
-@kernel
-def table_entry(obj, palm, fingers, corners, e, q, frame):
+def table_entry(world, e, frames):
     """(signed gap [m] of an entry's feature to the nearest opposite edge, code of that pair);
     penetration is negative.
     """
-    n, p = obj.shape[0], palm.shape[0] - 1
-    if e >= n * (p + 2):
-        return _object_on_corner(obj, palm, fingers, corners, e - n * (p + 2), q, frame)
+    n, p = world.obj.shape[0], world.palm.shape[0] - 1
+    if e >= _first_corner(world):
+        return _object_on_corner(world, e - _first_corner(world), frames)
     column, i = e // n, e % n
-    vx, vy = object_vertex(obj, i, q, frame)
+    x, y = object_vertex(world, i, frames.object)
     if column < p:
-        return _vertex_on_palm(obj, palm, column, i, vx, vy)
-    return _vertex_on_finger(fingers, column - p, i, vx, vy, frame)
+        return _vertex_on_palm(world, column, i, x, y)
+    return _vertex_on_finger(world, column - p, i, x, y, frame_of_finger(frames, column - p))
 
 
 @kernel
-def gap_table(obj, palm, fingers, corners, q, gaps, codes):
+def gap_table(world, q, gaps, codes):
     """Fill gaps and codes of every `table_entry`."""
-    n, p = obj.shape[0], palm.shape[0] - 1
-    frame = frame_of(q)
+    n, p, frames = world.obj.shape[0], world.palm.shape[0] - 1, frames_of(world, q)
     for i in range(n):
-        vx, vy = object_vertex(obj, i, q, frame)
+        x, y = object_vertex(world, i, frames.object)
         for k in range(p):
-            gaps[k * n + i], codes[k * n + i] = _vertex_on_palm(obj, palm, k, i, vx, vy)
+            gaps[k * n + i], codes[k * n + i] = _vertex_on_palm(world, k, i, x, y)
         for side in range(2):
-            e = (p + side) * n + i
-            gaps[e], codes[e] = _vertex_on_finger(fingers, side, i, vx, vy, frame)
-    for k in range(4 + corners.shape[0]):
-        e = n * (p + 2) + k
-        gaps[e], codes[e] = _object_on_corner(obj, palm, fingers, corners, k, q, frame)
+            e, at = (p + side) * n + i, frame_of_finger(frames, side)
+            gaps[e], codes[e] = _vertex_on_finger(world, side, i, x, y, at)
+    for k in range(4 + world.corners.shape[0]):
+        e = _first_corner(world) + k
+        gaps[e], codes[e] = _object_on_corner(world, k, frames)
 
 
-@kernel
-def finger_clearance(obj, fingers, side, theta, x, y, c, s):
-    """Separation [m] of a finger and the object by the separating axis theorem: positive apart,
-    negative where they overlap.
+@inlined
+def finger_clearance(world, side, theta, at):
+    """Separation [m] of a finger at a joint angle [rad] and the object, whose frame is `at`:
+    positive apart, negative where they overlap.
 
     Unlike the gap table, which knows vertices only, it sees a finger that runs right through the
     object.
     """
-    u, v = np.cos(theta), np.sin(theta)
-    frame = c, s, u, v, u, v
-    ux, uy, wx, wy = finger_axes(side, frame)
-    axis_x, axis_y, length, half = (
-        fingers[side, 0],
-        fingers[side, 1],
-        fingers[side, 2],
-        fingers[side, 3],
-    )
-    near_along, far_along, near_across, far_across = np.inf, -np.inf, np.inf, -np.inf
-    greatest = -np.inf
-    for i in range(obj.shape[0]):
-        vx, vy, _, _, mx, my, _ = object_edge(obj, i, (x, y), frame)
-        along, across = (
-            ux * (vx - axis_x) + uy * (vy - axis_y),
-            wx * (vx - axis_x) + wy * (vy - axis_y),
-        )
-        near_along, far_along = min(near_along, along), max(far_along, along)
-        near_across, far_across = min(near_across, across), max(far_across, across)
-        nearest = mx * (axis_x - vx) + my * (axis_y - vy) - half * abs(mx * wx + my * wy)
-        greatest = max(greatest, nearest + min(0.0, length * (mx * ux + my * uy)))
-    return max(
-        greatest,
-        max(max(near_across - half, -far_across - half), max(near_along - length, -far_along)),
-    )
+    length, half = world.fingers[side, 2], world.fingers[side, 3]
+    return _clearance(world.obj, at, finger_frame(world, side, theta), length, half)
 
 
-@kernel
-def left_the_hand(palm, fingers, q):
+@inlined
+def left_the_hand(world, q):
     """Whether the object's centroid is where no finger brings it back from: a third of a finger's
     length beyond an end of the palm, below the palm, or two lengths above an axis.
     """
-    length = max(fingers[0, 2], fingers[1, 2])
+    palm, fingers = world.palm, world.fingers
+    length = max(fingers[LEFT, 2], fingers[RIGHT, 2])
     lowest = palm[0, 1]
     for k in range(palm.shape[0]):
         lowest = min(lowest, palm[k, 1])
     return (
-        q[0] < palm[0, 0] - length / 3.0
-        or q[0] > palm[palm.shape[0] - 1, 0] + length / 3.0
-        or q[1] < lowest
-        or q[1] > max(fingers[0, 1], fingers[1, 1]) + 2.0 * length
+        q[X] < palm[0, 0] - length / 3.0
+        or q[X] > palm[palm.shape[0] - 1, 0] + length / 3.0
+        or q[Y] < lowest
+        or q[Y] > max(fingers[LEFT, 1], fingers[RIGHT, 1]) + 2.0 * length
     )
 
 
 @kernel
-def closing_angle(obj, fingers, limits, side, x, y, angle):
+def closing_angle(world, side, pose):
     """Joint angle at which a finger, swept closed from its open limit, first touches the object at
-    (x, y, angle).
+    `pose` (3,) x, y, rotation.
 
     NaN when it touches at its open limit already, or never.
     """
-    c, s = np.cos(angle), np.sin(angle)
-    opened, shut = (
-        (limits[side, 1], limits[side, 0]) if side == 0 else (limits[side, 0], limits[side, 1])
-    )
-    if finger_clearance(obj, fingers, side, opened, x, y, c, s) <= 0.0:
+    at, low, high = frame_of_object(pose), world.limits[side, 0], world.limits[side, 1]
+    opened, shut = (high, low) if side == LEFT else (low, high)
+    if finger_clearance(world, side, opened, at) <= 0.0:
         return np.nan
-    steps = 90
     free = opened
-    for k in range(1, steps + 1):
-        theta = opened + (shut - opened) * k / steps
-        if finger_clearance(obj, fingers, side, theta, x, y, c, s) <= 0.0:
+    for k in range(1, SWEEP + 1):
+        theta = opened + (shut - opened) * k / SWEEP
+        if finger_clearance(world, side, theta, at) <= 0.0:
             touching = theta
-            for _ in range(50):
+            for _ in range(HALVINGS):
                 middle = 0.5 * (free + touching)
-                if finger_clearance(obj, fingers, side, middle, x, y, c, s) > 0.0:
+                if finger_clearance(world, side, middle, at) > 0.0:
                     free = middle
                 else:
                     touching = middle

@@ -3,6 +3,7 @@
 import numpy as np
 
 from wholearm_ros.kernels import allocating, kernel
+from wholearm_ros.model.configuration import SIZE
 
 
 @kernel
@@ -57,17 +58,17 @@ def null_vector(rows, scale, t):
     when rank < 4.
     """
     minor = np.empty((4, 4))
-    for j in range(5):
+    for j in range(SIZE):
         for i in range(4):
             c = 0
-            for k in range(5):
+            for k in range(SIZE):
                 if k != j:
                     minor[i, c] = rows[i, k] * scale[k]
                     c += 1
         t[j] = determinant4(minor) * (1.0 if j % 2 == 0 else -1.0)
     norm = np.sqrt((t * t).sum())
     if norm > 0.0:
-        for j in range(5):
+        for j in range(SIZE):
             t[j] = t[j] / norm * scale[j]
     return norm
 

@@ -35,6 +35,33 @@ class Plant(NamedTuple):
     noise: np.ndarray
 
 
+class ClosedLoop(NamedTuple):
+    """A plant and its control: law: a `ControlLaw`; switching: a `SwitchLaw`."""
+
+    plant: Plant
+    law: control_law.ControlLaw
+    switching: switch_law.SwitchLaw
+
+
+class State(NamedTuple):
+    """q, v: (5,), see `model/configuration.py`."""
+
+    q: np.ndarray
+    v: np.ndarray
+
+
+class Motors(NamedTuple):
+    """angles, velocities: (2,) as read [rad, rad/s]; commands: (2,) [N m]; pipe: (d + 1, 2) those
+    on their way; applied: (2,) torques now [N m].
+    """
+
+    angles: np.ndarray
+    velocities: np.ndarray
+    commands: np.ndarray
+    pipe: np.ndarray
+    applied: np.ndarray
+
+
 class Start(NamedTuple):
     """q, v: (5,); efforts: (2,) commanded before [N m]; at_rest: the drives hold the fingers and
     the run begins with its ramp, else it is under way already; velocity_finger: the one so far,
@@ -64,17 +91,15 @@ class Record(NamedTuple):
 
 
 @allocating
-def run_trajectory(world, plant, law, switching, course, start, settle, record):
-    """The closed loop along the whole course, and `settle` [s] of holding its end. A run that the
-    mode switch stops ends there. law, switching: `ControlLaw` and `SwitchLaw`.
+def run_trajectory(world, loop, course, start, settle, record):
+    """The `ClosedLoop` along the whole course, and `settle` [s] of holding its end. A run that the
+    mode switch stops ends there.
 
     Returns (records, largest LCP residual, the `Switch` at the end).
     """
+    plant, law, switching = loop.plant, loop.law, loop.switching
     work = new_workspace(world, plant.friction, law.period)
-    q, v = start.q.copy(), start.v.copy()
-    commands, applied = start.efforts.copy(), np.empty(2)
-    angles, velocities = np.empty(2), np.empty(2)
-    pipe = np.zeros((plant.delay + 1, 2))
+    state, motors = State(start.q.copy(), start.v.copy()), _new_motors(plant, start)
     h, ramp, last = law.period, switching.ramp, course.angles.shape[0] - 1
     began = 0.0 if start.at_rest else -ramp
     lead = int(round(ramp / h)) if start.at_rest else 0
@@ -83,58 +108,77 @@ def run_trajectory(world, plant, law, switching, course, start, settle, record):
     worst, count, t = 0.0, 0, 0.0
     for n in range(total):
         if n >= lead and (n - lead) % record.every == 0 and count < record.q.shape[0]:
-            record.q[count], record.v[count] = q, v
+            record.q[count], record.v[count] = state.q, state.v
             count += 1
-        _read(plant, n, q, v, angles, velocities)
-        switch, motion, torque = switch_period(switching, course, start.efforts, switch, t, angles)
+        _read(plant, n, state, motors)
+        switch, motion, torque = switch_period(
+            switching, course, start.efforts, switch, t, motors.angles
+        )
         if switch.stops:
             break
-        a, b = motion.joint, torque.joint
-        commands[a] = pd_effort(law.gains, world.torque_limits[a], motion, angles[a], velocities[a])
-        commands[b] = slewed_effort(
-            world.torque_limits[b], law.slew_limit * h, torque.effort, commands[b]
-        )
+        _control(world, law, motion, torque, motors)
         if n < record.commands.shape[0]:
-            record.commands[n] = commands
-        _drive(world, plant, start, n, q, v, commands, pipe, applied)
-        _, residual = step(world, work, applied, q, v)
+            record.commands[n] = motors.commands
+        _drive(world, plant, start, n, state, motors)
+        _, residual = step(world, work, motors.applied, state.q, state.v)
         worst = max(worst, residual)
         t += h
     if count < record.q.shape[0]:
-        record.q[count], record.v[count] = q, v
+        record.q[count], record.v[count] = state.q, state.v
         count += 1
-    record.last_q[:], record.last_v[:] = q, v
+    record.last_q[:], record.last_v[:] = state.q, state.v
     record.stops_met[:] = work.stops_met
     return count, worst, switch
 
 
+@allocating
+def _new_motors(plant, start):
+    """Before the first period."""
+    pipe = np.zeros((plant.delay + 1, 2))
+    return Motors(np.empty(2), np.empty(2), start.efforts.copy(), pipe, np.empty(2))
+
+
 @inlined
-def _read(plant, n, q, v, angles, velocities):
-    """The encoders' readings number n of both joints: angles, velocities (2,) are filled in."""
+def _read(plant, n, state, motors):
+    """The encoders' readings number n of both joints."""
     for side in range(2):
-        angles[side], velocities[side] = q[joint(side)], v[joint(side)]
+        angle, velocity = state.q[joint(side)], state.v[joint(side)]
         if n < plant.noise.shape[0]:
-            angles[side] += plant.noise[n, 0, side]
-            velocities[side] += plant.noise[n, 1, side]
+            angle += plant.noise[n, 0, side]
+            velocity += plant.noise[n, 1, side]
+        motors.angles[side], motors.velocities[side] = angle, velocity
 
 
 @inlined
-def _drive(world, plant, start, n, q, v, commands, pipe, applied):
+def _control(world, law, motion, torque, motors):
+    """Both controllers' commands for their setpoints."""
+    a, b, commands = motion.joint, torque.joint, motors.commands
+    commands[a] = pd_effort(
+        law.gains, world.torque_limits[a], motion, motors.angles[a], motors.velocities[a]
+    )
+    commands[b] = slewed_effort(
+        world.torque_limits[b], law.slew_limit * law.period, torque.effort, commands[b]
+    )
+
+
+@inlined
+def _drive(world, plant, start, n, state, motors):
     """Torques of period n: the command of `delay` periods before; what there was before the first
     one.
     """
+    pipe = motors.pipe
     for side in range(2):
-        pipe[n % (plant.delay + 1), side] = commands[side]
+        pipe[n % (plant.delay + 1), side] = motors.commands[side]
         acting = pipe[(n + 1) % (plant.delay + 1), side]
         if n < plant.delay:
             acting = start.efforts[side]
             if start.at_rest:
                 j = joint(side)
                 acting = holding_effort(
-                    HOLD_GAINS, world.finger_moment[side], start.q[j], q[j], v[j]
+                    HOLD_GAINS, world.finger_moment[side], start.q[j], state.q[j], state.v[j]
                 )
         limit = world.torque_limits[side]
-        applied[side] = min(max(acting, -limit), limit) * plant.torque_factors[side]
+        motors.applied[side] = min(max(acting, -limit), limit) * plant.torque_factors[side]
 
 
 class Primitive(NamedTuple):
@@ -194,7 +238,7 @@ def run_primitive(world, primitive, q0, efforts, record):
             record.efforts[count, side] = mean / record.every
             record.efforts[count, other] = applied[other]
             mean, count = 0.0, count + 1
-        if left_the_hand(world.palm, world.fingers, q):
+        if left_the_hand(world, q):
             break
     record.last_q[:], record.last_v[:] = q, v
     record.stops_met[:] = work.stops_met

@@ -6,50 +6,52 @@ import numpy as np
 
 from wholearm_ros.kernels import allocating, kernel
 from wholearm_ros.kernels.linear import solve_in_place
+from wholearm_ros.kernels.world import joint
+from wholearm_ros.model.configuration import ROTATION, SIZE, X, Y
 
 
 @allocating
-def equilibrium_forces(rows, load, torque_column, forces):
+def equilibrium_forces(rows, load, torque_finger, forces):
     """Solve eq. (4) for f = a + b τ_T; forces (4, 2) receives columns a [N] and b [1/m]. Returns
     the pivot ratio.
 
     rows: (4, 5) = [G_nᵀ, −J_n] (or its friction-tilted copy); load: (5,) = (−g_O, g_h) [N, N, N m,
     N m, N m]. [G_n; −J_nTᵀ] f = [−g_O; g_T − τ_T].
     """
-    m = np.empty((4, 4))
+    m, column = np.empty((4, 4)), joint(torque_finger)
     for i in range(4):
         for k in range(3):
             m[k, i] = rows[i, k]
-        m[3, i] = rows[i, torque_column]
+        m[3, i] = rows[i, column]
         forces[i, 0], forces[i, 1] = 0.0, 0.0
     for k in range(3):
         forces[k, 0] = load[k]
-    forces[3, 0] = load[torque_column]
+    forces[3, 0] = load[column]
     forces[3, 1] = -1.0
     return solve_in_place(m, forces)
 
 
 @allocating
-def torque_interval(rows, load, limits, torque_column, forces):
+def torque_interval(rows, load, limits, torque_finger, forces):
     """(τ_min, τ_max) [N m] of the torque-controlled finger by (4), (5) and both motors' limits;
     (1, −1)-like when empty.
 
     f ≥ 0 is affine in τ_T, and so is τ_V = −rows[:, V]ᵀ f + g_V: the range of problem (6) is an
     interval, found by clipping. Returns (τ_min, τ_max, pivot ratio).
     """
-    ratio = equilibrium_forces(rows, load, torque_column, forces)
-    low, high = -limits[torque_column - 3], limits[torque_column - 3]
+    ratio = equilibrium_forces(rows, load, torque_finger, forces)
+    low, high = -limits[torque_finger], limits[torque_finger]
     if ratio < 1e-9:
         return 1.0, -1.0, ratio
     for i in range(4):
         a, b = forces[i, 0], forces[i, 1]
         low, high = clip_interval(low, high, a, b)
-    velocity_column = 7 - torque_column
-    a, b = load[velocity_column], 0.0
+    column = joint(1 - torque_finger)
+    a, b = load[column], 0.0
     for i in range(4):
-        a -= rows[i, velocity_column] * forces[i, 0]
-        b -= rows[i, velocity_column] * forces[i, 1]
-    limit = limits[velocity_column - 3]
+        a -= rows[i, column] * forces[i, 0]
+        b -= rows[i, column] * forces[i, 1]
+    limit = limits[1 - torque_finger]
     low, high = clip_interval(low, high, limit - a, -b)
     low, high = clip_interval(low, high, limit + a, b)
     return low, high, ratio
@@ -60,8 +62,9 @@ def load_at(load, finger_moment, q, out):
     """Fill out (5,) = (−g_O, g_h): the fingers' entries are the torques that hold them against
     gravity, m g L/2 cos θ.
     """
-    out[0], out[1], out[2] = load[0], load[1], load[2]
-    out[3], out[4] = finger_moment[0] * np.cos(q[3]), finger_moment[1] * np.cos(q[4])
+    out[X], out[Y], out[ROTATION] = load[X], load[Y], load[ROTATION]
+    for side in range(2):
+        out[joint(side)] = finger_moment[side] * np.cos(q[joint(side)])
 
 
 @kernel
@@ -81,8 +84,8 @@ def tilt_rows(rows, tangents, velocity, friction, tilted):
     """
     for i in range(rows.shape[0]):
         slip = 0.0
-        for j in range(5):
+        for j in range(SIZE):
             slip += tangents[i, j] * velocity[j]
         sign = 0.0 if abs(slip) < 1e-9 else (1.0 if slip > 0.0 else -1.0)
-        for j in range(5):
+        for j in range(SIZE):
             tilted[i, j] = rows[i, j] - friction * sign * tangents[i, j]

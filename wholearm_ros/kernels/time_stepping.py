@@ -20,11 +20,13 @@ import numpy as np
 
 from wholearm_ros.kernels import allocating, inlined, kernel
 from wholearm_ros.kernels.geometry import (
-    contact_in,
+    contact_at,
     fill_row,
-    frame_of,
+    frame_of_finger,
+    frames_of,
     gap_table,
     pair_body,
+    sliding,
     table_entry,
     table_size,
 )
@@ -69,7 +71,7 @@ class Workspace(NamedTuple):
 @allocating
 def new_workspace(world, friction, h):
     """For steps of h [s] with a coefficient of friction."""
-    n = table_size(world.obj, world.palm, world.corners)
+    n = table_size(world)
     m = 2 * n + STOPS
     return Workspace(
         friction,
@@ -93,12 +95,12 @@ def step(world, work, efforts, q, v):
 
     Returns (rows that push, LCP residual [m/s]).
     """
-    frame, free, ahead = frame_of(q), work.vectors[0], work.vectors[1]
-    _update_gaps(world, q, frame, work)
-    _free_velocity(world, work, efforts, v, frame, free)
+    frames, free, ahead = frames_of(world, q), work.vectors[0], work.vectors[1]
+    _update_gaps(world, q, frames, work)
+    _free_velocity(world, work, efforts, v, frames, free)
     for j in range(SIZE):
         ahead[j] = q[j] + work.h * v[j]
-    k = _contact_rows(world, work, q, v, ahead, frame)
+    k = _contact_rows(world, work, v, frames, frames_of(world, ahead))
     k = _stop_rows(world, work, q, k)
     _pose_problem(work, free, k)
     residual = solve_lcp(work.lcp, k)
@@ -106,7 +108,7 @@ def step(world, work, efforts, q, v):
 
 
 @inlined
-def _free_velocity(world, work, efforts, v, frame, free):
+def _free_velocity(world, work, efforts, v, frames, free):
     """v + h M⁻¹ F: what would be without contacts."""
     h, load, inertias = work.h, world.load, world.inertias
     free[X] = v[X] - h * load[X] / inertias[X]
@@ -114,17 +116,19 @@ def _free_velocity(world, work, efforts, v, frame, free):
     free[ROTATION] = v[ROTATION] - h * load[ROTATION] / inertias[ROTATION]
     for side in range(2):
         j = joint(side)
-        held = world.finger_moment[side] * frame[2 + 2 * side]
+        held = world.finger_moment[side] * frame_of_finger(frames, side).cos
         free[j] = v[j] + h * (efforts[side] - held) / inertias[j]
 
 
 @inlined
-def _contact_rows(world, work, q, v, ahead, frame):
-    """The rows of all pairs that are near, and of b the gap and the dilation. Returns how many."""
-    obj, palm, fingers, corners = world.obj, world.palm, world.fingers, world.corners
+def _contact_rows(world, work, v, frames, ahead):
+    """The rows of all pairs that are near, and of b the gap and the dilation. Returns how many.
+
+    frames, ahead: now, and at the end of the step.
+    """
     gaps, codes, active, watched = work.gaps, work.codes, work.active, work.watched
     rows, b, place, slide, h = work.lcp.rows, work.lcp.b, work.place, work.vectors[2], work.h
-    frame_ahead, near, k = frame_of(ahead), NEAR + 2.0 * h, 0
+    near, k = NEAR + 2.0 * h, 0
     for i in range(int(work.ledger[1])):
         e = watched[i]
         if not -DEEPEST < gaps[e] < near:
@@ -133,16 +137,15 @@ def _contact_rows(world, work, q, v, ahead, frame):
         # A feature is outside a convex body when it is outside one of its edges. Which one, is
         # asked of where it will be: a vertex that slides off a finger's tip is held by what comes
         # after the tip, not by the edge that it leaves.
-        code = table_entry(obj, palm, fingers, corners, e, ahead, frame_ahead)[1]
+        code = table_entry(world, e, ahead)[1]
         codes[e] = code
-        px, py, nx, ny, gap, _, _ = contact_in(obj, palm, fingers, code, q, frame)
-        body = pair_body(code)
-        fill_row(rows[k], px, py, nx, ny, body, fingers, q)
-        b[k] = max(gap, 0.0) / h if gaps[e] > 0.0 else PUSHED_OUT * gaps[e] / h
+        contact, body = contact_at(world, code, frames), pair_body(code)
+        fill_row(contact, body, frames, rows[k])
+        b[k] = max(contact.gap, 0.0) / h if gaps[e] > 0.0 else PUSHED_OUT * gaps[e] / h
         place[k] = 2 * e
         k += 1
         if work.friction > 0.0:
-            fill_row(slide, px, py, -ny, nx, body, fingers, q)
+            fill_row(sliding(contact), body, frames, slide)
             place[k] = 2 * e + 1
             b[k] = b[k - 1]
             _open_cone(rows, b, k, work.friction, slide, v)
@@ -216,19 +219,18 @@ def _integrate(work, free, k, q, v):
 
 
 @inlined
-def _update_gaps(world, q, frame, work):
+def _update_gaps(world, q, frames, work):
     """Gaps of the watched entries at q; of all of them, and which to watch, when enough has moved
     since that was done.
     """
-    obj, palm, fingers, corners = world.obj, world.palm, world.fingers, world.corners
     gaps, codes, watched, ledger = work.gaps, work.codes, work.watched, work.ledger
     if ledger[0] > 0.0:
         for k in range(int(ledger[1])):
             e = watched[k]
-            gaps[e], codes[e] = table_entry(obj, palm, fingers, corners, e, q, frame)
+            gaps[e], codes[e] = table_entry(world, e, frames)
         return
     count, active, near = 0, work.active, NEAR + 2.0 * work.h
-    gap_table(obj, palm, fingers, corners, q, gaps, codes)
+    gap_table(world, q, gaps, codes)
     for e in range(gaps.shape[0]):
         if gaps[e] < near + WATCH or gaps[e] == np.inf:
             watched[count] = e

@@ -33,8 +33,3 @@ class World(NamedTuple):
     finger_moment: np.ndarray
     inertias: np.ndarray
     torque_limits: np.ndarray
-
-    @property
-    def geometry(self) -> tuple:
-        """The first arguments of every geometry kernel."""
-        return self.obj, self.palm, self.fingers

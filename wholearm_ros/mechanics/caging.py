@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wholearm_ros.model.frame import frame_at, turned
 from wholearm_ros.model.polygon import Polygon
 
 PAST_THE_TOP = 0.05  # [rad] how far the centroid must be past the pivot before the object is free
@@ -84,4 +85,5 @@ def _resting_before(polygon: Polygon, edge: int, before: float, floor: float) ->
 
 
 def _height(v: np.ndarray, angle: float, floor: float) -> float:
-    return float(np.max(-(np.sin(angle - floor) * v[:, 0] + np.cos(angle - floor) * v[:, 1])))
+    _, heights = turned(frame_at(0.0, 0.0, angle - floor), v[:, 0], v[:, 1])
+    return float(-heights.min())

@@ -10,9 +10,10 @@ import numpy as np
 from wholearm_ros.errors import ScenarioError
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.world import World, build_world
+from wholearm_ros.model.configuration import SIZE
 from wholearm_ros.model.hand import LEFT, RIGHT, SIDES
 from wholearm_ros.model.orientation import palm_segment_under, start_rotation
-from wholearm_ros.model.polygon import support
+from wholearm_ros.model.polygon import pose_on_edge
 from wholearm_ros.model.scenario import Scenario, StartAtPose
 
 CLOSED_GAP = 1e-7  # [m] a pair with a smaller gap is closed
@@ -67,9 +68,9 @@ def gap_table(world: World, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(gaps (m,) [m], pair codes (m,)) of every feature with the nearest edge opposite; see the
     kernel.
     """
-    size = geometry.table_size(world.obj, world.palm, world.corners)
+    size = geometry.table_size(world)
     gaps, codes = np.empty(size), np.empty(size, np.int64)
-    geometry.gap_table(*world.geometry, world.corners, q, gaps, codes)
+    geometry.gap_table(world, q, gaps, codes)
     return gaps, codes
 
 
@@ -113,8 +114,8 @@ def contact_rows(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(rows (k, 5) = [G_nᵀ, −J_n] of eq. (1), gaps (k,) [m])."""
     codes = np.asarray(pairs, dtype=np.int64)
-    rows, gaps = np.empty((len(codes), 5)), np.empty(len(codes))
-    geometry.normal_rows(*world.geometry, codes, q, rows, gaps)
+    rows, gaps = np.empty((len(codes), SIZE)), np.empty(len(codes))
+    geometry.normal_rows(world, codes, q, rows, gaps)
     return rows, gaps
 
 
@@ -125,14 +126,20 @@ def deepest_penetration(world: World, q: np.ndarray) -> tuple[float, str]:
     return max(0.0, -float(gaps[k])), pair_name(codes[k])
 
 
-def close_finger(world: World, pose: np.ndarray, side: int) -> float:
+def closing_angle(world: World, pose: np.ndarray, side: int) -> float:
     """Joint angle [rad] at which a finger, swept closed from its open limit, first touches the
-    object at `pose` (3,).
+    object at `pose` (3,); NaN when it touches at its open limit already, or never.
+    """
+    return float(geometry.closing_angle(world, side, pose))
+
+
+def close_finger(world: World, pose: np.ndarray, side: int) -> float:
+    """The `closing_angle`.
 
     Raises ScenarioError when it comes to its other limit without touching, or touches at its open
     limit already.
     """
-    angle = float(geometry.closing_angle(world.obj, world.fingers, world.limits, side, *pose))
+    angle = closing_angle(world, pose, side)
     if np.isnan(angle):
         low, high = world.limits[side]
         raise ScenarioError(
@@ -172,10 +179,7 @@ def pose_on_palm(world: World, x: float, angle: float, segment: int = 0) -> np.n
     """(3,) pose whose lowest vertex touches the line of a palm segment, with the centroid at x
     [m].
     """
-    ax, ay, _, _, nx, ny, _ = geometry.palm_edge(world.palm, segment)
-    reach = support(world.obj[:, :2], angle, np.array([nx, ny]))
-    y = ay + (-reach - nx * (x - ax)) / ny
-    return np.array([x, y, angle])
+    return pose_on_edge(world.obj[:, :2], world.palm[segment], x, angle)
 
 
 def _show(pose: np.ndarray) -> str:

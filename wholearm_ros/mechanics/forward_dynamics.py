@@ -18,6 +18,7 @@ from wholearm_ros.kernels import statics
 from wholearm_ros.kernels.lcp import new_lcp, solve_lcp
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.world import World
+from wholearm_ros.model.configuration import ROTATION, SIZE, X, Y, joint_index
 
 RESIDUAL_TOLERANCE = 1e-9  # of the complementarity, relative to the largest bias
 BREAKS = 1e-6  # [m/s²] a contact that separates faster than this breaks
@@ -84,9 +85,10 @@ def build_forward_dynamics(
     """The problem of these pairs (codes) at q, q_dot (5,)."""
     rows, _ = contact_rows(world, pairs, q)
     ahead, _ = contact_rows(world, pairs, q + RATE_STEP * q_dot)
-    driven, turned = 4 - inputs.torque_finger, 3 + inputs.torque_finger
-    moving = np.array([0, 1, 2, turned])
-    load = np.empty(5)
+    turned = joint_index(inputs.torque_finger)
+    driven = joint_index(1 - inputs.torque_finger)
+    moving = np.array([X, Y, ROTATION, turned])
+    load = np.empty(SIZE)
     statics.load_at(world.load, world.finger_moment, q, load)
     force = -load
     force[turned] += inputs.torque

@@ -17,10 +17,8 @@ from wholearm_ros.model.trajectory import ManipulationTrajectory
 
 def mirror_configurations(q: np.ndarray) -> np.ndarray:
     """(…, 5) → (…, 5): left and right finger change places."""
-    q = np.asarray(q)
-    return np.stack(
-        [-q[..., 0], q[..., 1], -q[..., 2], np.pi - q[..., 4], np.pi - q[..., 3]], axis=-1
-    )
+    x, y, rotation, left, right = np.moveaxis(np.asarray(q), -1, 0)
+    return np.stack([-x, y, -rotation, np.pi - right, np.pi - left], axis=-1)
 
 
 def mirror_contacts(names: Sequence[str], scenario: Scenario) -> tuple[str, ...]:

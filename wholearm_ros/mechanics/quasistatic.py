@@ -10,6 +10,7 @@ import numpy as np
 from wholearm_ros.kernels import statics
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.world import World
+from wholearm_ros.model.configuration import JOINTS, POSE, SIZE, joint_index
 
 LEAST_CONDITIONING = 1e-6  # singular values below this part of the largest count as zero
 
@@ -47,12 +48,9 @@ class QuasiStatics:
         solved = np.linalg.solve(
             self.square_block(torque_finger), self.J_n[:, velocity_finger] * rate
         )
-        q_dot = np.empty(5)
-        q_dot[:3], q_dot[3 + torque_finger], q_dot[3 + velocity_finger] = (
-            solved[:3],
-            solved[3],
-            rate,
-        )
+        q_dot = np.empty(SIZE)
+        q_dot[POSE], q_dot[joint_index(torque_finger)] = solved[:3], solved[3]
+        q_dot[joint_index(velocity_finger)] = rate
         return q_dot
 
     def joint_torques(self, f_n: np.ndarray) -> np.ndarray:
@@ -69,7 +67,8 @@ class QuasiStatics:
 
     def velocity_is_unique(self, velocity_finger: int) -> bool:
         """Conditions 1 and 2 of II-C: [G_nᵀ, −J_nT] nonsingular, J_nV of full rank."""
-        block = self.square_block(1 - velocity_finger) * np.delete(self.scale, 3 + velocity_finger)
+        scale = np.delete(self.scale, joint_index(velocity_finger))
+        block = self.square_block(1 - velocity_finger) * scale
         values = np.linalg.svd(block, compute_uv=False)
         driven = np.abs(self.J_n[:, velocity_finger]).max() > 0.0
         return bool(driven and len(values) == 4 and values[-1] > LEAST_CONDITIONING * values[0])
@@ -78,6 +77,7 @@ class QuasiStatics:
 def build_quasistatics(world: World, pairs: Sequence[int], q: np.ndarray) -> QuasiStatics:
     """The model for closed pairs at q (5,)."""
     rows, _ = contact_rows(world, pairs, q)
-    load = np.empty(5)
+    load = np.empty(SIZE)
     statics.load_at(world.load, world.finger_moment, q, load)
-    return QuasiStatics(rows[:, :3].T.copy(), -rows[:, 3:], -load[:3], load[3:], world.scale)
+    G_n, J_n = rows[:, POSE].T.copy(), -rows[:, JOINTS]
+    return QuasiStatics(G_n, J_n, -load[POSE], load[JOINTS], world.scale)

@@ -99,7 +99,7 @@ def _closed_form(problem: TorqueRangeProblem) -> TorqueRange:
     m, finger = problem.model, problem.torque_finger
     forces = np.empty((4, 2))
     load = np.concatenate([-m.g_O, m.g_h])
-    low, high, _ = statics.torque_interval(m.constraint(), load, problem.limits, 3 + finger, forces)
+    low, high, _ = statics.torque_interval(m.constraint(), load, problem.limits, finger, forces)
     return TorqueRange(
         problem, low, high, forces[:, 0] + forces[:, 1] * low, forces[:, 0] + forces[:, 1] * high
     )

@@ -4,6 +4,7 @@ import numpy as np
 
 from wholearm_ros.kernels.world import World
 from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.polygon import edge_table
 from wholearm_ros.model.scenario import Scenario
 
 __all__ = ['World', 'build_world']
@@ -20,8 +21,8 @@ def build_world(scenario: Scenario) -> World:
     both = (hand.left, hand.right)
     length = round(LENGTH_PER_RADIAN * 0.5 * sum(f.length for f in both), 12)
     return World(
-        obj=readonly(_with_edges(body.polygon.vertices_about_centroid, closed=True)),
-        palm=readonly(_with_edges(scenario.palm.vertices, closed=False)),
+        obj=readonly(edge_table(body.polygon.vertices_about_centroid, closed=True)),
+        palm=readonly(edge_table(scenario.palm.vertices, closed=False)),
         fingers=readonly(fingers),
         corners=readonly(_touchable_corners(scenario.palm.vertices), dtype=np.int64),
         scale=readonly([length, length, 1.0, 1.0, 1.0]),
@@ -31,18 +32,6 @@ def build_world(scenario: Scenario) -> World:
         inertias=readonly([body.mass, body.mass, body.inertia, both[0].inertia, both[1].inertia]),
         torque_limits=readonly([f.torque_limit for f in both]),
     )
-
-
-def _with_edges(vertices: np.ndarray, closed: bool) -> np.ndarray:
-    """(n, 5) vertices, and of the edge that starts at each its normal and length: out of a closed
-    polygon (counter-clockwise), to the left of an open polyline, whose last vertex has no edge.
-    """
-    d = np.roll(vertices, -1, axis=0) - vertices
-    length = np.linalg.norm(d, axis=1, keepdims=True)
-    normal = np.column_stack([d[:, 1], -d[:, 0]]) / length * (1.0 if closed else -1.0)
-    if not closed:
-        normal[-1], length[-1] = 0.0, 0.0
-    return np.hstack([vertices, normal, length])
 
 
 def _touchable_corners(palm: np.ndarray) -> list[int]:

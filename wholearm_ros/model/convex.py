@@ -1,7 +1,4 @@
-"""Plain tests on polygons, for checking input: turns, crossings, separation.
-
-The kernels have a geometry of their own.
-"""
+"""Whether an outline is that of a convex polygon: turns and crossings, for checking input."""
 
 import numpy as np
 
@@ -19,12 +16,6 @@ def turns(vertices: np.ndarray) -> np.ndarray:
     return sines
 
 
-def signed_area(vertices: np.ndarray) -> float:
-    """[m²], positive when counter-clockwise."""
-    w = np.roll(vertices, -1, axis=0)
-    return 0.5 * float((vertices[:, 0] * w[:, 1] - vertices[:, 1] * w[:, 0]).sum())
-
-
 def crossing_edges(vertices: np.ndarray) -> tuple[int, int] | None:
     """The first two edges (i, j), not neighbours, that meet; None when the outline is simple."""
     n = len(vertices)
@@ -35,42 +26,6 @@ def crossing_edges(vertices: np.ndarray) -> tuple[int, int] | None:
             ):
                 return i, j
     return None
-
-
-def separation(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Separation [m] of convex, counter-clockwise polygons (..., n, 2) and (..., m, 2), by the
-    separating axis theorem: where they are apart, positive and at most their distance; where they
-    overlap, minus the depth of penetration.
-    """
-    apart: np.ndarray = np.maximum(_apart(a, b), _apart(b, a))
-    return apart
-
-
-def rectangle(axis: np.ndarray, angle: np.ndarray, length: float, half_width: float) -> np.ndarray:
-    """(..., 4, 2) [m] counter-clockwise: from `axis` along `angle` (...) [rad]."""
-    along = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    across = half_width * np.stack([-along[..., 1], along[..., 0]], axis=-1)
-    tip = axis + length * along
-    return np.stack([axis - across, tip - across, tip + across, axis + across], axis=-2)
-
-
-def turned(vertices: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    """(n, 2) [m]: vertices about the centroid, at `pose` (3,) x, y, rotation."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    placed: np.ndarray = vertices @ np.array([[c, s], [-s, c]]) + pose[:2]
-    return placed
-
-
-def _apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Largest distance of b from a line through an edge of a, outwards."""
-    edges = np.roll(a, -1, axis=-2) - a
-    outward = (
-        np.stack([edges[..., 1], -edges[..., 0]], axis=-1)
-        / np.linalg.norm(edges, axis=-1)[..., None]
-    )
-    heights = outward @ np.swapaxes(b, -1, -2) - (outward * a).sum(axis=-1)[..., None]
-    apart: np.ndarray = heights.min(axis=-1).max(axis=-1)
-    return apart
 
 
 def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:

@@ -40,6 +40,12 @@ class Finger:
         about_centre = self.mass * (self.length**2 + (2 * self.half_width) ** 2) / 12.0
         return about_centre + self.mass * (self.length / 2) ** 2 + self.rotor_inertia
 
+    @property
+    def outline(self) -> np.ndarray:
+        """(4, 2) [m] corners, counter-clockwise, in its frame: from the axis along +x."""
+        length, half = self.length, self.half_width
+        return np.array([[0.0, -half], [length, -half], [length, half], [0.0, half]])
+
     def mirrored(self) -> 'Finger':
         """The mirror image (x → -x, θ → π - θ)."""
         low, high = self.angle_limits

@@ -6,6 +6,11 @@ from typing import Any
 Value = Any
 
 
+# Of the fifth-order polynomial from rest to rest, per unit of distance and time.
+PEAK_SPEED = 15.0 / 8.0
+PEAK_ACCELERATION = 10.0 / 3.0**0.5
+
+
 def quintic(u: Value) -> tuple[Value, Value]:
     """(position, speed) of the fifth-order polynomial from 0 to 1 at u in [0, 1], at rest at both
     ends.
@@ -13,14 +18,19 @@ def quintic(u: Value) -> tuple[Value, Value]:
     return u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 30.0 * u**2 * (1.0 - u) ** 2
 
 
-def fade(t: float, span: float) -> tuple[float, float]:
-    """Fifth-order polynomial from 1 at t = 0 to 0 at t = `span` [s], at rest at both ends and 0
-    thereafter; and its rate [1/s].
-    """
+def rise(t: float, span: float) -> tuple[float, float]:
+    """The same from 0 at t = 0 to 1 at t = `span` [s], held at both ends; and its rate [1/s]."""
     if t >= span:
-        return 0.0, 0.0
+        return 1.0, 0.0
     u = max(t, 0.0) / span
-    return 1.0 - u**3 * (10.0 - 15.0 * u + 6.0 * u * u), -30.0 * (u * (1.0 - u)) ** 2 / span
+    # Not `quintic(u)`: its last bits differ, and with them those of every simulated run.
+    return u**3 * (10.0 - 15.0 * u + 6.0 * u * u), 30.0 * (u * (1.0 - u)) ** 2 / span
+
+
+def fade(t: float, span: float) -> tuple[float, float]:
+    """The same from 1 to 0."""
+    position, rate = rise(t, span)
+    return 1.0 - position, -rate
 
 
 def hermite(p0: Value, p1: Value, v0: Value, v1: Value, period: float, u: float) -> Value:

@@ -73,8 +73,22 @@ class Polygon:
         return Polygon((self.vertices * [-1.0, 1.0])[order])
 
 
+def edge_table(vertices: np.ndarray, closed: bool) -> np.ndarray:
+    """(n, 5) vertices, and of the edge that starts at each its unit normal and its length: out of a
+    closed polygon (counter-clockwise), to the left of an open polyline, whose last vertex has no
+    edge.
+    """
+    d = np.roll(vertices, -1, axis=0) - vertices
+    length = np.linalg.norm(d, axis=1, keepdims=True)
+    normal = np.column_stack([d[:, 1], -d[:, 0]]) / length * (1.0 if closed else -1.0)
+    if not closed:
+        normal[-1], length[-1] = 0.0, 0.0
+    return np.hstack([vertices, normal, length])
+
+
 def rotated(vertices: np.ndarray, angle: float) -> np.ndarray:
     """(n, 2) vertices turned about the origin by `angle` [rad], counter-clockwise."""
+    # A matrix product, not `frame.turned`: its last bits are in the ids of all plans.
     c, s = np.cos(angle), np.sin(angle)
     turned: np.ndarray = vertices @ np.array([[c, s], [-s, c]])
     return turned
@@ -85,6 +99,16 @@ def support(vertices: np.ndarray, angle: float, normal: np.ndarray) -> float:
     the origin it is negative.
     """
     return float((rotated(vertices, angle) @ normal).min())
+
+
+def pose_on_edge(vertices: np.ndarray, edge: np.ndarray, x: float, angle: float) -> np.ndarray:
+    """(3,) pose, turned by `angle` [rad] and with the centroid at x [m], at which the lowest of the
+    vertices (n, 2) about the centroid touches the line of an edge (5,), see `edge_table`.
+    """
+    ax, ay, nx, ny, _ = edge
+    reach = support(vertices, angle, np.array([nx, ny]))
+    y = ay + (-reach - nx * (x - ax)) / ny
+    return np.array([x, y, angle])
 
 
 def edges_look_alike(polygon: Polygon, tolerance: float) -> bool:

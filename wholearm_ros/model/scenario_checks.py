@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from wholearm_ros.model.convex import crossing_edges, signed_area, turns
+from wholearm_ros.model.convex import crossing_edges, turns
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario_schema import (
@@ -50,7 +50,7 @@ def _object_problems(vertices: np.ndarray) -> list[str]:
             f'{key}: got edges {crossing[0]} and {crossing[1]} that cross; '
             'allowed: a convex polygon'
         ]
-    if signed_area(vertices) < 0.0:
+    if Polygon(vertices).area < 0.0:
         return [f'{key}: got them clockwise; allowed: counter-clockwise']
     sines = turns(vertices)
     flat = [int(k) for k in np.flatnonzero(np.abs(sines) <= MIN_TURN)]

@@ -5,10 +5,12 @@ Each problem is told as 'key: got ...; allowed: ...'.
 
 import numpy as np
 
-from wholearm_ros.model.convex import rectangle, separation, turned
+from wholearm_ros.model.frame import Value, frame_at, placed
 from wholearm_ros.model.hand import LEFT, SIDES
-from wholearm_ros.model.orientation import palm_angle_under, start_rotation
+from wholearm_ros.model.orientation import palm_segment_under, start_rotation
+from wholearm_ros.model.polygon import edge_table, pose_on_edge
 from wholearm_ros.model.scenario import GoalAtPose, Scenario, StartAtPose
+from wholearm_ros.model.separation import finger_clearance, point_clearance
 
 MAX_PENETRATION = 1e-4  # [m] at the start
 SWEEP = 181  # angles at which a closing finger is looked at
@@ -32,14 +34,9 @@ def start_pose(scenario: Scenario) -> np.ndarray:
     start = scenario.start
     if isinstance(start, StartAtPose):
         return start.pose
-    angle = start_rotation(scenario)
-    corners = turned(
-        scenario.object.polygon.vertices_about_centroid, np.array([start.x, 0.0, angle])
-    )
-    # lowered along y until the first corner meets the line of the palm's segment under the centroid
-    slope = np.tan(palm_angle_under(scenario.palm, start.x))
-    lift = (slope * (corners[:, 0] - start.x) - corners[:, 1]).max()
-    return np.array([start.x, lift + palm_height(scenario.palm.vertices, start.x), angle])
+    vertices, palm = scenario.object.polygon.vertices_about_centroid, scenario.palm
+    segment = edge_table(palm.vertices, closed=False)[palm_segment_under(palm, start.x)]
+    return pose_on_edge(vertices, segment, start.x, start_rotation(scenario))
 
 
 def palm_height(vertices: np.ndarray, x: float) -> float:
@@ -48,11 +45,11 @@ def palm_height(vertices: np.ndarray, x: float) -> float:
 
 
 def _palm_penetration(key: str, scenario: Scenario, pose: np.ndarray) -> str | None:
-    corners = turned(scenario.object.polygon.vertices_about_centroid, pose)
-    palm = scenario.palm.vertices
+    vertices, palm = scenario.object.polygon.vertices_about_centroid, scenario.palm.vertices
+    corners, edges = placed(vertices, pose), edge_table(vertices, closed=True)
     over = (corners[:, 0] >= palm[0, 0]) & (corners[:, 0] <= palm[-1, 0])
     depths = [palm_height(palm, x) - y for x, y in corners[over]]
-    depth = max(depths + [_depth_of(p, corners) for p in palm])
+    depth = max(depths + [-point_clearance(edges, frame_at(*pose), *p)[0] for p in palm])
     if depth > MAX_PENETRATION:
         return (
             f'{key}: got an object that penetrates the palm by {1e3 * depth:.2f} mm; '
@@ -61,19 +58,12 @@ def _palm_penetration(key: str, scenario: Scenario, pose: np.ndarray) -> str | N
     return None
 
 
-def _depth_of(point: np.ndarray, polygon: np.ndarray) -> float:
-    """How deep [m] a point is in a convex polygon; negative outside."""
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    inward = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
-    return float((inward * (point - polygon)).sum(axis=1).min())
-
-
-def _finger_separation(
-    scenario: Scenario, pose: np.ndarray, side: int, angle: np.ndarray
-) -> np.ndarray:
+def _finger_clearance(scenario: Scenario, pose: np.ndarray, side: int, angle: Value) -> Value:
+    """Separation [m] of a finger at angles [rad] and the object at `pose` (3,)."""
     finger = scenario.hand[side]
-    corners = turned(scenario.object.polygon.vertices_about_centroid, pose)
-    return separation(corners, rectangle(finger.axis, angle, finger.length, finger.half_width))
+    edges = edge_table(scenario.object.polygon.vertices_about_centroid, closed=True)
+    at = frame_at(finger.axis[0], finger.axis[1], angle)
+    return finger_clearance(edges, frame_at(*pose), at, finger.length, finger.half_width)
 
 
 def _finger_penetration(
@@ -88,7 +78,7 @@ def _finger_penetration(
         return (
             f'{key}: got {angle}; allowed: {low} to {high}, the limits of the {SIDES[side]} finger'
         )
-    depth = -_finger_separation(scenario, pose, side, angle)
+    depth = -_finger_clearance(scenario, pose, side, angle)
     if depth > MAX_PENETRATION:
         return (
             f'{key}: got {angle}, where the {SIDES[side]} finger penetrates the object by '
@@ -102,7 +92,7 @@ def _reach_problem(scenario: Scenario, pose: np.ndarray, side: int) -> str | Non
     """A finger, swept closed from its open limit, must start clear of the object and meet it."""
     low, high = scenario.hand[side].angle_limits
     opened, shut = (high, low) if side == LEFT else (low, high)
-    gaps = _finger_separation(scenario, pose, side, np.linspace(opened, shut, SWEEP))
+    gaps = _finger_clearance(scenario, pose, side, np.linspace(opened, shut, SWEEP))
     if gaps.min() > 0.0:
         return (
             f'hand.{SIDES[side]}: got a finger that cannot touch the object at the start (nearest '

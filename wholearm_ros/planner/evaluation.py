@@ -9,6 +9,7 @@ import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import DocumentError
+from wholearm_ros.model.configuration import POSE, ROTATION
 from wholearm_ros.model.modes import CAGING
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
@@ -152,9 +153,9 @@ def _failed_leg(candidate: Candidate) -> int:
         return len(legs) - 1
     rows = (rollout.times / trajectory.period).astype(int)
     planned = trajectory.poses[np.minimum(rows, len(trajectory.poses) - 1)]
-    away = np.abs(rollout.configurations[:, 2] - planned[:, 2]) > AWAY
+    away = np.abs(rollout.configurations[:, ROTATION] - planned[:, 2]) > AWAY
     if not away.any():
         return len(legs) - 1
     pose = planned[int(np.argmax(away))]
-    nearest = [np.abs(leg.configurations[:, :3] - pose).sum(axis=1).min() for leg in legs]
+    nearest = [np.abs(leg.configurations[:, POSE] - pose).sum(axis=1).min() for leg in legs]
     return int(np.argmin(nearest))

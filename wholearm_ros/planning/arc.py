@@ -8,7 +8,7 @@ from wholearm_ros.kernels import arc_tracing
 from wholearm_ros.kernels.linear import null_vector
 from wholearm_ros.mechanics.contacts import contact_rows
 from wholearm_ros.mechanics.torque_range import ROBUST_FRICTION
-from wholearm_ros.model.configuration import SIZE
+from wholearm_ros.model.configuration import POSE, SIZE
 from wholearm_ros.model.modes import QUASI_STATIC
 from wholearm_ros.planning.problem import PlanningProblem
 
@@ -71,7 +71,7 @@ class Arc:
 
 def tangent(problem: PlanningProblem, q: np.ndarray, pairs: tuple[int, ...]) -> np.ndarray:
     """(5,) unit vector along which the pairs stay closed, its sign arbitrary."""
-    t: np.ndarray = np.empty(5)
+    t: np.ndarray = np.empty(SIZE)
     null_vector(contact_rows(problem.world, pairs, q)[0], problem.world.scale, t)
     return t
 
@@ -105,14 +105,14 @@ def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Arc | None:
     never gets there.
     """
     found = None  # (distance, sample before, share of the step to the next one)
-    poses = arc.configurations[:, :3]
+    poses = arc.configurations[:, POSE]
     if len(poses) == 1:
         return arc if problem.reached(poses[0]) else None
     for i in problem.goal.near_steps(poses, problem.margin):
         if found is not None and i > found[1] + 1:
             break
         u, distance = _nearest_on_step(problem, poses[i : i + 2])
-        pose = _between(arc.configurations, i, u)[:3]
+        pose = _between(arc.configurations, i, u)[POSE]
         if problem.reached(pose) and (found is None or distance < found[0]):
             found = distance, i, u
         elif found is not None:
@@ -123,7 +123,7 @@ def arc_to_goal(problem: PlanningProblem, arc: Arc) -> Arc | None:
     if u in (0.0, 1.0):
         return arc.up_to(max(i + 1 + int(u), 2), 'goal')
     q = _projected(problem, arc, i, u)
-    if q is None or not problem.reached(q[:3]):
+    if q is None or not problem.reached(q[POSE]):
         return arc.up_to(i + 2, 'goal') if problem.reached(arc.configurations[i + 1, :3]) else None
     cut = arc.up_to(i + 1, 'goal')
     return replace(

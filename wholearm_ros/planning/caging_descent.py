@@ -8,7 +8,8 @@ import numpy as np
 
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.caging import Cage
-from wholearm_ros.mechanics.contacts import closed_pairs, pose_on_palm
+from wholearm_ros.mechanics.contacts import closed_pairs, closing_angle, pose_on_palm
+from wholearm_ros.model.configuration import ROTATION, SIZE
 from wholearm_ros.model.modes import CAGING
 from wholearm_ros.model.orientation import palm_segment_under
 from wholearm_ros.planning.arc import Arc
@@ -21,12 +22,12 @@ def releases(problem: PlanningProblem, arc: Arc) -> Iterator[tuple[Arc, Arc]]:
     """Check_Caging: (arc up to the release, descent) for the last, the middle and the first sample
     of the arc at which the object may be released.
     """
-    angles = arc.configurations[:, 2]
+    angles = arc.configurations[:, ROTATION]
     held = np.any(arc.statics[:, :, 1] >= arc.statics[:, :, 0], axis=1)
     caged = [
         i
         for i, angle in enumerate(angles)
-        if held[i] and arc.tangents[i, 2] > 0.0 and problem.cage_at(angle) is not None
+        if held[i] and arc.tangents[i, ROTATION] > 0.0 and problem.cage_at(angle) is not None
     ]
     if not caged or not any(
         geometry.pair_body(c) == geometry.PALM and geometry.pair_kind(c) == geometry.VERTEX_EDGE
@@ -39,7 +40,7 @@ def releases(problem: PlanningProblem, arc: Arc) -> Iterator[tuple[Arc, Arc]]:
         if down is None or i == 0:
             continue
         pairs = closed_pairs(problem.world, down[-1])
-        descent = Arc(CAGING, pairs, down, np.empty((0, 5)), np.empty((0, 2, 4)), 'landed')
+        descent = Arc(CAGING, pairs, down, np.empty((0, SIZE)), np.empty((0, 2, 4)), 'landed')
         yield arc.up_to(i + 1, 'caged'), descent
 
 
@@ -53,15 +54,12 @@ def caging_descent(problem: PlanningProblem, q: np.ndarray, cage: Cage) -> np.nd
     landed = problem.landed(q, cage)
     if landed is None:
         return None
-    steps = max(2, int(np.ceil((cage.landing - q[2]) / LARGEST_ROLL)))
+    steps = max(2, int(np.ceil((cage.landing - q[ROTATION]) / LARGEST_ROLL)))
     samples, segment = [q], palm_segment_under(problem.scenario.palm, q[0])
-    for angle in np.linspace(q[2], cage.landing, steps + 1)[1:-1]:
-        y = pose_on_palm(w, q[0], angle, segment)[1]
-        fingers = [
-            geometry.closing_angle(w.obj, w.fingers, w.limits, side, q[0], y, angle)
-            for side in range(2)
-        ]
+    for angle in np.linspace(q[ROTATION], cage.landing, steps + 1)[1:-1]:
+        pose = pose_on_palm(w, q[0], angle, segment)
+        fingers = [closing_angle(w, pose, side) for side in range(2)]
         if np.isnan(fingers).any():
             return None
-        samples.append(np.array([q[0], y, angle, *fingers]))
+        samples.append(np.array([*pose, *fingers]))
     return np.array([*samples, landed])

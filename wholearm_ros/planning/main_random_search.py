@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wholearm_ros.mechanics.contacts import four_contact_subsets
+from wholearm_ros.model.configuration import SIZE, joint_index
 from wholearm_ros.model.hand import RIGHT
 from wholearm_ros.model.plan import EXHAUSTED, FOUND, LIMIT_REACHED, TIME_SPENT
 from wholearm_ros.planning.new_subgoal import REACHED, new_subgoal
@@ -50,8 +51,8 @@ def main_random_search(
         k = candidates[rng.integers(len(candidates))]  # step 2: Y_rand
         choice = int(rng.integers(len(open_choices[k])))
         pairs, direction = open_choices[k].pop(choice)  # step 3: X_start, dir_joint
-        node, toward = network.nodes[k], np.zeros(5)
-        toward[3 + velocity_finger] = direction
+        node, toward = network.nodes[k], np.zeros(SIZE)
+        toward[joint_index(velocity_finger)] = direction
         expansions = new_subgoal(problem, node.configuration, pairs, toward, velocity_finger)
         expansion = expansions[0]  # step 4
         if not expansion.arcs:

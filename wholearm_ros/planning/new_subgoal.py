@@ -8,6 +8,7 @@ import numpy as np
 
 from wholearm_ros.kernels import arc_tracing, geometry
 from wholearm_ros.mechanics.contacts import closed_pairs
+from wholearm_ros.model.configuration import POSE
 from wholearm_ros.model.modes import CAGING
 from wholearm_ros.planning.arc import Arc, arc_to_goal, tangent, trace
 from wholearm_ros.planning.caging_descent import releases
@@ -74,7 +75,7 @@ def new_subgoal(
         if goal is not None:  # step 7
             return (*ends, Expansion((*done, goal), REACHED))
         for before, descent in releases(problem, arc):  # steps 4 and 7: gravity does the rest
-            outcome = REACHED if problem.reached(descent.configurations[-1, :3]) else NEW_Y
+            outcome = REACHED if problem.reached(descent.configurations[-1, POSE]) else NEW_Y
             ends.append(Expansion((*done, before, descent), outcome, descent.pairs))
         done.append(arc)
         q = arc.configurations[-1]
@@ -100,8 +101,8 @@ def _onto_edge(
     that edge.
     """
     t = tangent(problem, q, pairs)
-    here = geometry.contact(*problem.world.geometry, pair, q)
-    there = geometry.contact(*problem.world.geometry, pair, q + 1e-6 * t)
+    here = geometry.contact(problem.world, pair, q)
+    there = geometry.contact(problem.world, pair, q + 1e-6 * t)
     away_from_start = there[5] - here[5]
     at_start = here[5] < 0.5 * here[6]
     return t if (away_from_start > 0.0) == at_start else -t

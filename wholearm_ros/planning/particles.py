@@ -6,6 +6,7 @@ import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.kernels.rollout import Start
+from wholearm_ros.model.configuration import POSE, SIZE
 from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.rollout.parallel import parallel_map
 from wholearm_ros.rollout.perturbed_samples import Run, build_perturbed_samples, follow_course
@@ -24,7 +25,7 @@ class Particles:
     def __init__(self, problem: PlanningProblem, seed: int) -> None:
         self._scale, self._controls = problem.world.scale, ControlOptions()
         self._samples = build_perturbed_samples(problem.scenario, PERTURBED, LEVEL, seed)
-        self.start: ParticleStates = tuple((s.start, np.zeros(5)) for s in self._samples)
+        self.start: ParticleStates = tuple((s.start, np.zeros(SIZE)) for s in self._samples)
         self.rollouts = 0
         nominal = self._samples[0].goal.rotation
         self._turns = [sample.goal.rotation - nominal for sample in self._samples]
@@ -45,7 +46,7 @@ class Particles:
             return follow_course(self._samples[k], course, start, self._controls)
 
         after = []
-        planned = record.configurations[-1, :3]
+        planned = record.configurations[-1, POSE]
         for turn, run in zip(self._turns, parallel_map(execute, range(len(states)))):
             self.rollouts += 1
             if not self._agrees(run, planned, turn):
@@ -59,5 +60,5 @@ class Particles:
         """
         if run.stopped or run.stops_met.any():
             return False
-        far = (np.abs(run.q[:3] - planned - [0.0, 0.0, turn]) / self._scale[:3] > SPREAD).any()
+        far = (np.abs(run.q[POSE] - planned - [0.0, 0.0, turn]) / self._scale[POSE] > SPREAD).any()
         return not far and bool(np.abs(run.v / self._scale).max() <= STILL)

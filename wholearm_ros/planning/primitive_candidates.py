@@ -14,6 +14,7 @@ import numpy as np
 from wholearm_ros.mechanics.contacts import closed_pairs, four_contact_subsets
 from wholearm_ros.mechanics.quasistatic import build_quasistatics
 from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
+from wholearm_ros.model.configuration import POSE, joint_index
 from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.planning.problem import PlanningProblem
@@ -69,13 +70,13 @@ def stops_along(
     far as nothing is hopeless.
     """
     side = sweep.velocity_finger
-    turned = np.abs(record.wanted - rest.q[3 + side])
+    turned = np.abs(record.wanted - rest.q[joint_index(side)])
     for stop in _stops(problem, turned, record):
         i = int(np.searchsorted(turned, stop - 1e-9))
         if i >= len(turned):
             return
         q = record.configurations[i]
-        if abs(q[3 + side] - record.wanted[i]) > JAMMED or problem.hopeless(q):
+        if abs(q[joint_index(side)] - record.wanted[i]) > JAMMED or problem.hopeless(q):
             return
         yield MotionPrimitive(side, float(np.sign(sweep.turn) * stop), sweep.torque), q
 
@@ -87,7 +88,7 @@ def _stops(problem: PlanningProblem, turned: np.ndarray, record: PrimitiveRecord
     stops = np.arange(STOP_EVERY, SWEEP + 1e-9, STOP_EVERY)
     if problem.caged_goal:
         return stops
-    away = [problem.goal.distance(q[:3]) for q in record.configurations]
+    away = [problem.goal.distance(q[POSE]) for q in record.configurations]
     return np.sort(np.append(stops, turned[int(np.argmin(away))]))
 
 

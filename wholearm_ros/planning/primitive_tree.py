@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from wholearm_ros.mechanics.contacts import closed_pairs, pair_name
+from wholearm_ros.model.configuration import JOINTS, POSE, ROTATION
 from wholearm_ros.model.modes import CAGING, DYNAMIC
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import X_END, X_GOAL, X_INIT, Leg, Subgoal, Y
@@ -61,7 +62,7 @@ class PrimitiveTree:
     def __init__(self, problem: PlanningProblem, seed: int, style: Style = STYLES[0]) -> None:
         self.problem, self._style = problem, style
         self._particles = Particles(problem, seed + 1)
-        rest = Rest(problem.start, problem.world.finger_moment * np.cos(problem.start[3:]))
+        rest = Rest(problem.start, problem.world.finger_moment * np.cos(problem.start[JOINTS]))
         self.states = [State(rest, self._particles.start, -1, None, 0)]
         self._queue: list[tuple[float, int, int, MotionPrimitive]] = []
         self._order, self._primitives = 0, 0
@@ -175,11 +176,11 @@ def primitive_tree_search(
         if k is None:
             continue
         q = tree.states[k].rest.q
-        if problem.reached(q[:3]):
+        if problem.reached(q[POSE]):
             return tree.route_to(k)
-        cage = problem.cage_at(q[2])
+        cage = problem.cage_at(q[ROTATION])
         down = caging_descent(problem, q, cage) if cage is not None else None
-        if down is not None and problem.reached(down[-1, :3]):
+        if down is not None and problem.reached(down[-1, POSE]):
             return _with_descent(problem, tree.route_to(k), down)
     return None
 

@@ -7,11 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wholearm_ros.kernels import geometry
 from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.caging import PAST_THE_TOP, Cage, cages_between
-from wholearm_ros.mechanics.contacts import closed_pairs, pose_on_palm, start_configuration
+from wholearm_ros.mechanics.contacts import (
+    closed_pairs,
+    closing_angle,
+    pose_on_palm,
+    start_configuration,
+)
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.configuration import JOINTS, POSE, ROTATION
 from wholearm_ros.model.goal import ANGLE_TOLERANCE, GoalRegion, Margin, goal_region
 from wholearm_ros.model.orientation import (
     palm_angle_under,
@@ -74,8 +79,8 @@ class PlanningProblem:
         [rad].
         """
         if self.caged_goal:
-            return float(self.cage_intervals[-1, 0] - q[2])
-        away = self.goal.error(q[:3]) / self.world.scale[:3]
+            return float(self.cage_intervals[-1, 0] - q[ROTATION])
+        away = self.goal.error(q[POSE]) / self.world.scale[POSE]
         return float(np.abs(away).sum())
 
     @property
@@ -91,9 +96,9 @@ class PlanningProblem:
         return bool(
             not self.reach.left <= q[0] <= self.reach.right
             or q[1] > self.reach.top
-            or q[2] > self.goal.rotation + TOO_FAR
-            or (q[3:] <= limits[:, 0]).any()
-            or (q[3:] >= limits[:, 1]).any()
+            or q[ROTATION] > self.goal.rotation + TOO_FAR
+            or (q[JOINTS] <= limits[:, 0]).any()
+            or (q[JOINTS] >= limits[:, 1]).any()
         )
 
     def cage_at(self, angle: float) -> Cage | None:
@@ -109,10 +114,7 @@ class PlanningProblem:
         """
         segment = palm_segment_under(self.scenario.palm, q[0])
         pose = pose_on_palm(self.world, q[0], cage.landing, segment)
-        w = self.world
-        angles = [
-            geometry.closing_angle(w.obj, w.fingers, w.limits, side, *pose) for side in range(2)
-        ]
+        angles = [closing_angle(self.world, pose, side) for side in range(2)]
         return None if np.isnan(angles).any() else np.array([*pose, *angles])
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wholearm_ros.control.execution import COURSE_PERIOD
+from wholearm_ros.model.configuration import JOINTS
 from wholearm_ros.model.polygon import ALIKE, edges_look_alike
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.rollout.perturbed_samples import RECORD_EVERY
@@ -20,7 +21,7 @@ def build_courses(scenario: Scenario, rollouts: Sequence[Rollout]) -> np.ndarray
     """(k, r, 2) [rad] every COURSE_PERIOD from the trajectory's start; None of an object whose
     edges feel different, or when no rollout reached the goal.
     """
-    survived = [r.configurations[:, 3:] for r in rollouts if r.success][:MOST]
+    survived = [r.configurations[:, JOINTS] for r in rollouts if r.success][:MOST]
     if not survived or not edges_look_alike(scenario.object.polygon, ALIKE):
         return None
     every, rows = round(COURSE_PERIOD / RECORD_EVERY), min(map(len, survived)) - 1

@@ -4,6 +4,7 @@ import numpy as np
 
 from wholearm_ros.mechanics.contacts import close_finger, pose_on_palm, start_configuration
 from wholearm_ros.mechanics.world import World, build_world
+from wholearm_ros.model.configuration import POSE, ROTATION, joint_index
 from wholearm_ros.model.hand import LEFT, RIGHT
 from wholearm_ros.model.orientation import palm_segment_under
 from wholearm_ros.model.scenario import Scenario, StartAtPose
@@ -25,16 +26,17 @@ def perturbed_start(told: Scenario, truth: Scenario, true_world: World | None = 
     q = start_configuration(told).copy()
     told_world = build_world(told)
     segment = palm_segment_under(truth.palm, q[0])
-    told_y, true_y = (pose_on_palm(w, q[0], q[2], segment)[1] for w in (told_world, true_world))
-    told_pose = q[:3].copy()
+    told_y, true_y = (
+        pose_on_palm(w, q[0], q[ROTATION], segment)[1] for w in (told_world, true_world)
+    )
+    told_pose = q[POSE].copy()
     q[1] = true_y if q[1] - told_y < TOUCHING else max(q[1], true_y)
     for side, outwards in ((LEFT, 1.0), (RIGHT, -1.0)):
         told_touch, true_touch = (
             close_finger(told_world, told_pose, side),
-            close_finger(true_world, q[:3], side),
+            close_finger(true_world, q[POSE], side),
         )
-        opened = outwards * (q[3 + side] - told_touch) > TOUCHING_ANGLE
-        q[3 + side] = (
-            outwards * max(outwards * q[3 + side], outwards * true_touch) if opened else true_touch
-        )
+        j = joint_index(side)
+        opened = outwards * (q[j] - told_touch) > TOUCHING_ANGLE
+        q[j] = outwards * max(outwards * q[j], outwards * true_touch) if opened else true_touch
     return q

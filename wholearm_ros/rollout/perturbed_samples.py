@@ -9,7 +9,7 @@ from typing import Union
 import numpy as np
 
 from wholearm_ros.control.setpoints import ControlOptions
-from wholearm_ros.kernels.rollout import Plant, Record, Start, run_trajectory
+from wholearm_ros.kernels.rollout import ClosedLoop, Plant, Record, Start, run_trajectory
 from wholearm_ros.kernels.switch_law import Course, Switch
 from wholearm_ros.mechanics.world import World, build_world
 from wholearm_ros.model.configuration import JOINTS, SIZE
@@ -118,16 +118,8 @@ def follow_course(
     plant = _plant(sample.perturbation, int(np.ceil(length / STEP)) + 1)
     q, v, efforts = (np.array(values) for values in (start.q, start.v, start.efforts))
     start = start._replace(q=q, v=v, efforts=efforts)
-    count, residual, switch = run_trajectory(
-        sample.world,
-        plant,
-        controls.law(STEP),
-        controls.switch_law(),
-        course,
-        start,
-        settle,
-        record,
-    )
+    loop = ClosedLoop(plant, controls.law(STEP), controls.switch_law())
+    count, residual, switch = run_trajectory(sample.world, loop, course, start, settle, record)
     times = RECORD_EVERY * np.arange(count)
     return Run(
         times,

@@ -14,8 +14,9 @@ from wholearm_ros.kernels.rollout import Primitive, PrimitiveCourse, run_primiti
 from wholearm_ros.kernels.switch_law import Course
 from wholearm_ros.mechanics.world import World
 from wholearm_ros.model.arrays import readonly
-from wholearm_ros.model.configuration import SIZE
+from wholearm_ros.model.configuration import JOINTS, SIZE, joint_index
 from wholearm_ros.model.hand import CLOSING
+from wholearm_ros.model.interpolation import PEAK_SPEED
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 
 STEP = 0.001  # [s]
@@ -23,7 +24,6 @@ PERIOD = 0.004  # [s] of the records
 STIFF = PdGains(300.0, 6.0)  # of the velocity finger while its torque is being found
 SHORTEST_RAMP = 0.04  # [s]
 REST_SPEED = 0.01  # [1/s] in scaled coordinates, of anything at rest
-PEAK_SPEED = 15.0 / 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class PrimitiveRecord:
         at `start`.
         """
         side = self.move.velocity_finger
-        angles = np.vstack([start.q[None, 3:], self.configurations[:, 3:]])
+        angles = np.vstack([start.q[None, JOINTS], self.configurations[:, JOINTS]])
         angles[1:, side] = self.wanted
         velocities = np.zeros_like(angles)
         velocities[1:-1] = (angles[2:] - angles[:-2]) / (2.0 * PERIOD)
@@ -84,9 +84,8 @@ def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> Prim
     """Forward dynamics of a move from rest, without friction."""
     side = move.velocity_finger
     other = 1 - side
-    torque = float(
-        world.finger_moment[other] * np.cos(start.q[3 + other]) + CLOSING[other] * move.torque
-    )
+    weight = world.finger_moment[other] * np.cos(start.q[joint_index(other)])
+    torque = float(weight + CLOSING[other] * move.torque)
     ramp = _steps(max(SHORTEST_RAMP, abs(torque - start.efforts[other]) / move.slew))
     turn = _steps(max(0.06, PEAK_SPEED * abs(move.turn) / move.speed)) if move.turn else 0
     total = ramp + turn + _steps(move.settle)
@@ -109,7 +108,7 @@ def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> Prim
     )
     if count == 0:  # it left the hand at once
         record.q[0], record.v[0] = record.last_q, record.last_v
-        record.efforts[0], record.wanted[0], count = start.efforts, start.q[3 + side], 1
+        record.efforts[0], record.wanted[0], count = start.efforts, start.q[joint_index(side)], 1
     whole = count == total // every
     at_rest = whole and bool(np.abs(record.last_v / world.scale).max() < REST_SPEED)
     return PrimitiveRecord(

@@ -11,6 +11,7 @@ import numpy as np
 
 from wholearm_ros.control.mode_switch import course_of
 from wholearm_ros.control.setpoints import ControlOptions
+from wholearm_ros.model.configuration import POSE, ROTATION
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.rollout.parallel import parallel_map
@@ -137,11 +138,11 @@ def _stop_met(trajectory: ManipulationTrajectory, sample: PerturbedSample, run: 
 
 def _missing(sample: PerturbedSample, run: Run) -> str:
     """Why a run does not count as one that reached the goal, '' when it does."""
-    missing = sample.goal.missing(run.q[:3], MARGIN)
+    missing = sample.goal.missing(run.q[POSE], MARGIN)
     if missing:
         return missing[0]
-    turn = np.sign(sample.goal.rotation - sample.start[2])
-    beyond = (turn * (run.configurations[:, 2] - sample.goal.rotation)).max()
+    turn = np.sign(sample.goal.rotation - sample.start[ROTATION])
+    beyond = (turn * (run.configurations[:, ROTATION] - sample.goal.rotation)).max()
     if beyond > MOST_BEYOND:
         return f'it turned {beyond:.3f} rad past its goal on the way'
     speed = np.hypot(run.v[0], run.v[1])

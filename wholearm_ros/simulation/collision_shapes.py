@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from wholearm_ros.model.hand import Finger, Palm
+from wholearm_ros.model.hand import Palm
+from wholearm_ros.model.polygon import edge_table
 
 PALM_DEPTH = 0.03  # [m] the palm is solid this far below its surface
 
@@ -13,8 +14,7 @@ def inset(polygon: np.ndarray, distance: float) -> np.ndarray:
     Raises ValueError when nothing is left of an edge.
     """
     edges = np.roll(polygon, -1, axis=0) - polygon
-    tangents = edges / np.linalg.norm(edges, axis=1)[:, None]
-    normals = np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
+    normals = -edge_table(polygon, closed=True)[:, 2:4]
     levels = (normals * polygon).sum(axis=1) + distance
     before = np.roll(normals, 1, axis=0)
     right_sides = np.stack([np.roll(levels, 1), levels], axis=1)  # (n, 2)
@@ -24,17 +24,8 @@ def inset(polygon: np.ndarray, distance: float) -> np.ndarray:
     return corners
 
 
-def finger_rectangle(finger: Finger) -> np.ndarray:
-    """(4, 2) [m] in the finger's frame: from the axis along +x."""
-    length, half = finger.length, finger.half_width
-    return np.array([[0.0, -half], [length, -half], [length, half], [0.0, half]])
-
-
 def palm_slabs(palm: Palm) -> list[np.ndarray]:
     """One (4, 2) [m] slab under each segment of the palm, its free side on the segment's left."""
-    slabs = []
-    for a, b in zip(palm.vertices[:-1], palm.vertices[1:]):
-        tangent = (b - a) / np.linalg.norm(b - a)
-        down = PALM_DEPTH * np.array([tangent[1], -tangent[0]])
-        slabs.append(np.array([a + down, b + down, b, a]))
-    return slabs
+    v = palm.vertices
+    down = -PALM_DEPTH * edge_table(v, closed=False)[:, 2:4]
+    return [np.array([a + d, b + d, b, a]) for a, b, d in zip(v[:-1], v[1:], down)]

@@ -15,11 +15,12 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
+from wholearm_ros.model.configuration import JOINTS, POSE, SIZE
 from wholearm_ros.model.hand import SIDES, Finger
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.simulation.actuation import Drives, Encoders
-from wholearm_ros.simulation.collision_shapes import PALM_DEPTH, finger_rectangle, palm_slabs
+from wholearm_ros.simulation.collision_shapes import PALM_DEPTH, palm_slabs
 from wholearm_ros.simulation.contact_point import ContactPoint
 
 PHYSICS_RATE = 4000.0  # [Hz] at least
@@ -57,7 +58,7 @@ class MuJoCoHand:
         self._data = mujoco.MjData(self._model)
         self._drives = Drives(self.scenario, perturbation, dt)
         self._encoders = Encoders(perturbation)
-        self.reset(np.zeros(5))
+        self.reset(np.zeros(SIZE))
 
     def reset(self, configuration: np.ndarray) -> None:
         """At rest at `configuration` (5,) [m, m, rad, rad, rad]."""
@@ -65,22 +66,23 @@ class MuJoCoHand:
         self._data.qpos[:] = configuration
         mujoco.mj_forward(self._model, self._data)
         self.time, self.largest_penetration = 0.0, 0.0
-        self._drives.reset(self._data.qpos[3:])
+        self._drives.reset(self._data.qpos[JOINTS])
         self._encoders.reset()
-        self._reading = self._encoders.read(self._data.qpos[3:], self._data.qvel[3:])
+        self._reading = self._encoders.read(self._data.qpos[JOINTS], self._data.qvel[JOINTS])
 
     def step(self, efforts: np.ndarray | None) -> None:
         """One period under motor torques (2,) [N m]; None: the fingers are held."""
         data = self._data
         for _ in range(self._substeps):
-            data.qfrc_applied[3:] = self._drives.torques(efforts, data.qpos[3:], data.qvel[3:])
+            angles, velocities = data.qpos[JOINTS], data.qvel[JOINTS]
+            data.qfrc_applied[JOINTS] = self._drives.torques(efforts, angles, velocities)
             mujoco.mj_step(self._model, data)
             if data.ncon:
                 self.largest_penetration = max(
                     self.largest_penetration, -float(data.contact.dist.min())
                 )
         self.time += self.period
-        self._reading = self._encoders.read(data.qpos[3:], data.qvel[3:])
+        self._reading = self._encoders.read(data.qpos[JOINTS], data.qvel[JOINTS])
 
     def joints(self) -> tuple[np.ndarray, np.ndarray]:
         """Measured angles (2,) [rad] and velocities (2,) [rad/s]."""
@@ -92,11 +94,11 @@ class MuJoCoHand:
 
     def object_pose(self) -> np.ndarray:
         """(3,) [m, m, rad], the truth."""
-        return np.array(self._data.qpos[:3])
+        return np.array(self._data.qpos[POSE])
 
     def object_velocity(self) -> np.ndarray:
         """(3,) [m/s, m/s, rad/s], the truth."""
-        return np.array(self._data.qvel[:3])
+        return np.array(self._data.qvel[POSE])
 
     def contacts(self) -> list[ContactPoint]:
         """Those that carried a force in the last physics step, at the places where it began."""
@@ -187,7 +189,7 @@ def _finger(name: str, finger: Finger) -> str:
                 diaginertia="{_numbers([[about_centre] * 3])}"/>
       <geom name="{name}_box0" type="box" pos="{half} 0 0"
             size="{half} {finger.half_width} {HALF_DEPTH}"/>
-      {_spheres(name, finger_rectangle(finger))}
+      {_spheres(name, finger.outline)}
     </body>"""
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from wholearm_ros.kernels import geometry, time_stepping
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.configuration import JOINTS, POSE, SIZE
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import Scenario
@@ -35,28 +36,28 @@ class PlanarHand:
         self._work = time_stepping.new_workspace(self._world, self._friction, self._dt)
         self._drives = Drives(self.scenario, perturbation, self._dt)
         self._encoders = Encoders(perturbation)
-        self._q, self._v, self.time = np.zeros(5), np.zeros(5), 0.0
+        self._q, self._v, self.time = np.zeros(SIZE), np.zeros(SIZE), 0.0
         self._reading = (np.zeros(2), np.zeros(2))
         self.largest_residual = 0.0  # [m/s] of the complementarity problem, since the reset
 
     def reset(self, configuration: np.ndarray) -> None:
         """At rest at `configuration` (5,) [m, m, rad, rad, rad]."""
-        self._q, self._v, self.time = np.array(configuration, dtype=float), np.zeros(5), 0.0
+        self._q, self._v, self.time = np.array(configuration, dtype=float), np.zeros(SIZE), 0.0
         self._work = time_stepping.new_workspace(self._world, self._friction, self._dt)
         self.largest_residual = 0.0
-        self._drives.reset(self._q[3:])
+        self._drives.reset(self._q[JOINTS])
         self._encoders.reset()
-        self._reading = self._encoders.read(self._q[3:], self._v[3:])
+        self._reading = self._encoders.read(self._q[JOINTS], self._v[JOINTS])
 
     def step(self, efforts: Optional[np.ndarray]) -> None:
         """One period under motor torques (2,) [N m]; None: the fingers are held."""
         for _ in range(self._substeps):
             q, v = self._q, self._v
-            torques = self._drives.torques(efforts, q[3:], v[3:])
+            torques = self._drives.torques(efforts, q[JOINTS], v[JOINTS])
             _, residual = time_stepping.step(self._world, self._work, torques, q, v)
             self.largest_residual = max(self.largest_residual, residual)
         self.time += self.period
-        self._reading = self._encoders.read(self._q[3:], self._v[3:])
+        self._reading = self._encoders.read(self._q[JOINTS], self._v[JOINTS])
 
     def joints(self) -> tuple[np.ndarray, np.ndarray]:
         """Measured angles (2,) [rad] and velocities (2,) [rad/s]."""
@@ -68,20 +69,20 @@ class PlanarHand:
 
     def object_pose(self) -> np.ndarray:
         """(3,) [m, m, rad], the truth."""
-        return self._q[:3].copy()
+        return self._q[POSE].copy()
 
     def object_velocity(self) -> np.ndarray:
         """(3,) [m/s, m/s, rad/s], the truth."""
-        return self._v[:3].copy()
+        return self._v[POSE].copy()
 
     def contacts(self) -> list[ContactPoint]:
         """Pairs closer than TOUCHING; force is NaN."""
         w = self._world
         gaps, codes = self._work.gaps.copy(), self._work.codes.copy()
-        geometry.gap_table(*w.geometry, w.corners, self._q, gaps, codes)
+        geometry.gap_table(w, self._q, gaps, codes)
         found = []
         for code, gap in zip(codes[gaps < TOUCHING], gaps[gaps < TOUCHING]):
-            px, py, nx, ny, *_ = geometry.contact(*w.geometry, code, self._q)
+            px, py, nx, ny, *_ = geometry.contact(w, code, self._q)
             body = int(geometry.pair_body(code))
             found.append(
                 ContactPoint(

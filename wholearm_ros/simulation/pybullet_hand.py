@@ -22,7 +22,7 @@ from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.simulation.actuation import Drives, Encoders
-from wholearm_ros.simulation.collision_shapes import finger_rectangle, inset, palm_slabs
+from wholearm_ros.simulation.collision_shapes import inset, palm_slabs
 from wholearm_ros.simulation.contact_point import ContactPoint, merged
 from wholearm_ros.simulation.suppress_stderr import suppress_stderr
 
@@ -201,7 +201,7 @@ class PyBulletHand:
                     _CCW,
                     parent=0,
                     mass=f.mass,
-                    shape=self._prism(finger_rectangle(f), HAND_DEPTH),
+                    shape=self._prism(f.outline, HAND_DEPTH),
                     position=(f.axis[0] * SCALE, 0.0, f.axis[1] * SCALE),
                     centre=(f.length / 2 * SCALE, 0.0, 0.0),
                 )

@@ -7,6 +7,7 @@ import numpy as np
 from wholearm_ros.kernels import geometry
 from wholearm_ros.kernels.world import World
 from wholearm_ros.mechanics.contacts import contact_rows
+from wholearm_ros.model.configuration import joint_index
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,6 @@ def control_mode(
     rows = contact_rows(world, pairs, q)[0] * world.scale
     bodies = np.array([geometry.pair_body(c) for c in pairs])
     constraints = int(((bodies == geometry.PALM) | (bodies == 1 + velocity_finger)).sum())
-    dependent = np.delete(rows, 3 + velocity_finger, axis=1)  # (4, 4) = [G_nᵀ, −J_nT]
+    dependent = np.delete(rows, joint_index(velocity_finger), axis=1)  # (4, 4) = [G_nᵀ, −J_nT]
     values = np.linalg.svd(dependent, compute_uv=False)
     return ControlMode(velocity_finger, constraints, float(values[-1] / values[0]))

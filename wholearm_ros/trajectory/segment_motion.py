@@ -8,7 +8,7 @@ import numpy as np
 
 from wholearm_ros.kernels.interpolation import slew_limited
 from wholearm_ros.kernels.world import World
-from wholearm_ros.model.configuration import JOINTS, SIZE, joint_index
+from wholearm_ros.model.configuration import JOINTS, ROTATION, SIZE, joint_index
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.interpolation import quintic
 from wholearm_ros.model.modes import CAGING, DYNAMIC
@@ -96,7 +96,7 @@ def _descent(world: World, segment: MonotoneSegment, options: ExecutionOptions) 
     torque, τ_caging.
     """
     (piece,), side = segment.pieces, segment.velocity_finger
-    other, rotation = 1 - side, piece.samples[:, 2]
+    other, rotation = 1 - side, piece.samples[:, ROTATION]
     turn = rotation[-1] - rotation[0]
     steps = np.abs(np.diff(piece.samples[:, joint_index(side)]))
     fastest = float((steps / np.maximum(np.diff(rotation), 1e-9)).max())

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-PEAK_SPEED = 15.0 / 8.0  # of s(u) = 10 u³ − 15 u⁴ + 6 u⁵, per unit of distance and time
-PEAK_ACCELERATION = 10.0 / 3.0**0.5
+from wholearm_ros.model.interpolation import PEAK_ACCELERATION, PEAK_SPEED
+
 SHORTEST = 0.08  # [s] of one segment
 
 

@@ -9,9 +9,11 @@ import numpy as np
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import closed_pairs, pair_from_name, pair_name
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.frame import frame_at, placed
 from wholearm_ros.model.hand import SIDES, Finger
-from wholearm_ros.model.polygon import rotated
+from wholearm_ros.model.polygon import edge_table
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.separation import point_clearance
 
 MARGIN = 0.012  # [m] left free around what is shown
 TOUCH = 6e-4  # [m] gap below which a contact is drawn; PyBullet's own gaps are about half of it
@@ -21,17 +23,12 @@ PROBE = 2e-3
 
 def finger_outline(finger: Finger, theta: float) -> np.ndarray:
     """(4, 2) corners of a finger whose joint is at `theta` [rad]."""
-    u = np.array([np.cos(theta), np.sin(theta)])
-    w = finger.half_width * np.array([-u[1], u[0]])
-    tip = finger.axis + finger.length * u
-    return np.array([finger.axis + w, finger.axis - w, tip - w, tip + w])
+    return placed(finger.outline, np.array([*finger.axis, theta]))
 
 
 def object_outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
     """(n, 2) vertices of the object at `pose` (3,)."""
-    vertices = scenario.object.polygon.vertices_about_centroid
-    outline: np.ndarray = rotated(vertices, pose[2]) + pose[:2]
-    return outline
+    return placed(scenario.object.polygon.vertices_about_centroid, pose)
 
 
 def hand_outlines(scenario: Scenario, angles: np.ndarray) -> list[np.ndarray]:
@@ -46,10 +43,7 @@ def contact_marks(
     (5,).
     """
     world = build_world(scenario)
-    rows = [
-        geometry.contact(*world.geometry, pair_from_name(name), configuration)[:4]
-        for name in contacts
-    ]
+    rows = [geometry.contact(world, pair_from_name(name), configuration)[:4] for name in contacts]
     table = np.array(rows, dtype=float).reshape(-1, 4)
     return table[:, :2], table[:, 2:]
 
@@ -72,9 +66,8 @@ def touching(scenario: Scenario, configuration: np.ndarray) -> tuple[np.ndarray,
 
 def _inside(outline: np.ndarray, point: np.ndarray) -> bool:
     """Whether a point lies in a counter-clockwise outline (n, 2), TOUCH beyond its edges too."""
-    edges, away = np.roll(outline, -1, axis=0) - outline, point - outline
-    heights = (edges[:, 1] * away[:, 0] - edges[:, 0] * away[:, 1]) / np.linalg.norm(edges, axis=1)
-    return bool(heights.max() <= TOUCH)
+    edges = edge_table(outline, closed=True)
+    return point_clearance(edges, frame_at(0.0, 0.0, 0.0), *point)[0] <= TOUCH
 
 
 def view_box(

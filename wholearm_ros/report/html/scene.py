@@ -17,13 +17,10 @@ def scene(scenario: Scenario, poses: np.ndarray, angles: np.ndarray) -> dict[str
     left, right, bottom, top = view_box(scenario, poses, angles)
     fingers = []
     for finger in (scenario.hand.left, scenario.hand.right):
-        half, length = finger.half_width, finger.length
         fingers.append(
             {
                 'axis': numbers(1e3 * finger.axis, 2),
-                'outline': numbers(
-                    1e3 * np.array([[0, half], [0, -half], [length, -half], [length, half]]), 2
-                ),
+                'outline': numbers(1e3 * finger.outline, 2),
             }
         )
     return {

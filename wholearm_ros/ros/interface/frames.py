@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +9,7 @@ from geometry_msgs.msg import TransformStamped
 
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.ros.interface.channels import FINGER_FRAMES, OBJECT_FRAME, PALM_FRAME, TRANSFORMS
-from wholearm_ros.ros.interface.messages import set_stamp
+from wholearm_ros.ros.interface.messages import fill_rotation, set_stamp
 
 if TYPE_CHECKING:
     from wholearm_ros.ros.node.node import WholeArmNode
@@ -38,9 +37,9 @@ class Frames:
         fingers = [np.array([*axis, angle]) for axis, angle in zip(self._axes, angles)]
         for transform, (x, y, turn) in zip(self._transforms, [pose, *fingers]):
             set_stamp(transform.header.stamp, stamp)
-            place, rotation = transform.transform.translation, transform.transform.rotation
+            place = transform.transform.translation
             place.x, place.y = float(x), float(y)
-            rotation.z, rotation.w = sin(turn / 2), cos(turn / 2)
+            fill_rotation(transform.transform.rotation, turn)
         if TFMessage is not None:
             self._publisher.publish(TFMessage(transforms=self._transforms))
         else:

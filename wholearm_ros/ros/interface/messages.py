@@ -9,7 +9,7 @@ import numpy as np
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped, Quaternion
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
@@ -161,7 +161,12 @@ def to_planar(message: PoseStamped, field: str) -> np.ndarray:
 def fill_pose(pose: Pose, planar: np.ndarray) -> None:
     """planar: (3,) x, y [m], rotation [rad]."""
     pose.position.x, pose.position.y = float(planar[0]), float(planar[1])
-    pose.orientation.z, pose.orientation.w = math.sin(planar[2] / 2), math.cos(planar[2] / 2)
+    fill_rotation(pose.orientation, planar[2])
+
+
+def fill_rotation(quaternion: Quaternion, angle: float) -> None:
+    """angle [rad] about z."""
+    quaternion.z, quaternion.w = math.sin(angle / 2), math.cos(angle / 2)
 
 
 def pose_message(stamp: Time, planar: np.ndarray) -> PoseStamped:

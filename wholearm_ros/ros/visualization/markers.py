@@ -10,6 +10,7 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from wholearm_ros.model.frame import placed
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface.channels import PALM_FRAME
@@ -63,11 +64,8 @@ def estimate_markers(scenario: Scenario, pose: np.ndarray | None) -> MarkerArray
 
 def _outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
     """(n + 1, 2) [m]: the polygon at `pose`, closed."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    turned = (
-        scenario.object.polygon.vertices_about_centroid @ np.array([[c, s], [-s, c]]) + pose[:2]
-    )
-    return np.vstack([turned, turned[:1]])
+    outline = placed(scenario.object.polygon.vertices_about_centroid, pose)
+    return np.vstack([outline, outline[:1]])
 
 
 def _marker(namespace: str, number: int, kind: int, colour: Colour) -> Marker:

@@ -1,0 +1,47 @@
+"""How far a convex body is from a point and from a finger, as plain formulas: `kernels/` compiles
+these very functions.
+
+obj: (n, 5), the edges of the body in its frame, see `polygon.edge_table`.
+"""
+
+import numpy as np
+
+from wholearm_ros.model.frame import Frame, Value, in_body, in_world, turned
+
+
+def point_clearance(obj: np.ndarray, frame: Frame, x: float, y: float) -> tuple[float, int]:
+    """(signed distance [m] of a point from the farthest of the lines through the body's edges,
+    that edge): negative inside.
+    """
+    px, py = in_body(frame, x, y)
+    best, edge = -np.inf, -1
+    for j in range(obj.shape[0]):
+        gap = obj[j, 2] * (px - obj[j, 0]) + obj[j, 3] * (py - obj[j, 1])
+        if gap > best:
+            best, edge = gap, j
+    return best, edge
+
+
+def finger_clearance(
+    obj: np.ndarray, frame: Frame, finger: Frame, length: float, half_width: float
+) -> Value:
+    """Separation [m] of the body and a finger by the separating axis theorem: positive apart,
+    negative where they overlap.
+
+    finger: its frame, or frames as arrays; it reaches from there along x for `length`.
+    """
+    near_along, far_along, near_across, far_across = np.inf, -np.inf, np.inf, -np.inf
+    greatest = -np.inf
+    for j in range(obj.shape[0]):
+        x, y = in_world(frame, obj[j, 0], obj[j, 1])
+        nx, ny = turned(frame, obj[j, 2], obj[j, 3])
+        along, across = in_body(finger, x, y)
+        near_along, far_along = np.minimum(near_along, along), np.maximum(far_along, along)
+        near_across, far_across = np.minimum(near_across, across), np.maximum(far_across, across)
+        axis = nx * (finger.x - x) + ny * (finger.y - y)
+        side = half_width * np.abs(ny * finger.cos - nx * finger.sin)
+        tip = np.minimum(0.0, length * (nx * finger.cos + ny * finger.sin))
+        greatest = np.maximum(greatest, axis - side + tip)
+    beside = np.maximum(near_across - half_width, -far_across - half_width)
+    beyond = np.maximum(near_along - length, -far_along)
+    return np.maximum(greatest, np.maximum(beside, beyond))
