@@ -1,4 +1,4 @@
-"""The stand-in of the hand as a node, in real time or in lockstep. Replace it by yours."""
+"""The simulated hand as a node, in real time or in lockstep. Replace it with yours."""
 
 import sys
 import threading

@@ -1,4 +1,4 @@
-"""Moves that only forward dynamics can predict: one finger turns from rest to rest while the other
+"""Motion primitives, which only forward dynamics can predict: one finger turns from rest to rest while the other
 holds a torque.
 
 The contact state may change on the way as physics wants; no equilibrium of four contacts is needed.
@@ -36,7 +36,7 @@ class Rest:
 
 @dataclass(frozen=True, eq=False)
 class PrimitiveRecord:
-    """A simulated move every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the
+    """A simulated primitive every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the
     velocity finger's wanted angle (m,); ramp: how many of the samples the torque's ramp takes;
     whether it ended at rest; the LCP's residual; stops_met: (2, 2) bool, whether the left and
     the right finger came to bear on its low and high end stop.
@@ -81,7 +81,7 @@ class PrimitiveRecord:
 
 
 def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> PrimitiveRecord:
-    """Forward dynamics of a move from rest, without friction."""
+    """Forward dynamics of a primitive from rest, without friction."""
     side = move.velocity_finger
     other = 1 - side
     torque = float(
