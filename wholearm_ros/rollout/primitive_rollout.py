@@ -1,5 +1,5 @@
-"""Motion primitives, which only forward dynamics can predict: one finger turns from rest to rest while the other
-holds a torque.
+"""Motion primitives: one finger turns from rest to rest while the other holds a torque; where that
+leads, only forward dynamics can tell.
 
 The contact state may change on the way as physics wants; no equilibrium of four contacts is needed.
 This is the dynamic manipulation of III-B.2 as a step of the search.
