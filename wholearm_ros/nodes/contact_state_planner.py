@@ -179,7 +179,7 @@ class ContactStatePlanner(WholeArmNode):
         executor.wake()  # it looks at who awaits only when something else happens
 
     def no_plan(self, reason: str) -> Answer:
-        """Said on the status, too."""
+        """Reported on the status, too."""
         self.publish_status(WARN, reason)
         return False, reason, None
 
