@@ -33,7 +33,7 @@ CORE = [
     'typer~=0.12',
     'rich>=13,<16',
 ]
-# Physics for the stand-in of the hand, beside our own.
+# Physics for the simulated hand, beside our own.
 PYBULLET = 'pybullet~=3.2'  # a wheel up to Python 3.11; from 3.12 on pip compiles it
 MUJOCO = [
     'mujoco-core~=4.0; python_version >= "3.11"',  # numpy only; not for Python 3.10

@@ -20,7 +20,7 @@ TOPICS = tuple(
 
 README = """# Reference bags
 
-One run of each shipped scenario on the ROS graph, in lockstep on the PyBullet stand-in: every topic of the run but
+One run of each shipped scenario on the ROS graph, in lockstep on the PyBullet hand: every topic of the run but
 `markers` and `/diagnostics`.
 `test/ros/test_replay.py` plays them into live nodes and asks for the same answers.
 

@@ -20,7 +20,7 @@ class SolverError(WholeArmError):
 
 
 class HardwareError(WholeArmError):
-    """The hand or its stand-in cannot do what was asked."""
+    """The hand, real or simulated, cannot do what was asked."""
 
 
 class BagError(WholeArmError):

@@ -72,7 +72,7 @@ def test_the_event_that_ends_an_arc_is_located_to_a_nanometre():
 
 
 def test_statics_along_an_arc_are_the_torque_ranges_of_problem_6():
-    """For either torque finger, as solved configuration by configuration; the part good with friction lies inside."""
+    """For either torque finger, as solved configuration by configuration; the friction-robust part lies inside."""
     w, codes, qs, _, statics, _, _ = slide()
     for q, both in zip(qs, statics):
         for side in range(2):

@@ -66,7 +66,7 @@ def test_timings_name_the_three_stages(results):
         assert all(value > 0.0 for value in found.timings.values())
 
 
-def test_a_clockwise_task_is_offered_too():
+def test_a_clockwise_task_is_planned_too():
     found = plan_and_verify(ASYMMETRIC.mirrored(), replace(BEST, samples=2))
     assert found.verification.success_rate == 1.0
     assert found.trajectory.poses[-1, 2] < found.trajectory.poses[0, 2]
@@ -90,7 +90,7 @@ def test_a_graph_without_a_route_gets_its_own_reason():
     )
 
 
-def test_a_route_that_no_copy_survives_is_not_offered():
+def test_a_route_that_no_sample_survives_is_not_given():
     """Samples so wildly perturbed that most must fail: the answer says how many candidates were tried and why they failed."""
     found = plan_and_verify(ASYMMETRIC, PlanRequest(samples=6, level=12.0, candidates=2, moves=0))
     assert found.trajectory is None and found.plan.outcome == 'not_executable'
@@ -102,7 +102,7 @@ def test_a_start_out_of_reach_is_an_error():
         plan_and_verify(replace(ASYMMETRIC, start=StartOnEdge(0, -0.9)))
 
 
-def test_progress_is_told_for_people():
+def test_progress_is_reported():
     lines = []
     plan_and_verify(
         with_torque_limits(ASYMMETRIC, 0.6),

@@ -33,7 +33,7 @@ def test_the_same_request_gives_the_same_bytes(routes):
     assert ContactPlan.from_json(again.to_json()).to_json() == again.to_json()
 
 
-def test_the_legs_are_moves_from_rest_to_rest_that_physics_makes(routes):
+def test_the_legs_are_primitives_from_rest_to_rest_that_physics_makes(routes):
     """Each dynamic leg, simulated again from where it begins, ends where it says; the last leg ends at the goal."""
     for found in routes.values():
         if not found.found:
@@ -67,7 +67,7 @@ def test_the_generator_makes_the_moves_again_as_they_were_found(routes):
         np.testing.assert_allclose(ends, moves, atol=1e-9)
 
 
-def test_a_move_that_does_not_end_at_rest_fits_no_scenario(routes):
+def test_a_primitive_that_does_not_end_at_rest_fits_no_scenario(routes):
     found = routes['asymmetric_hexagon']
     hasty = replace(found.legs[0], action={**found.legs[0].action, 'settle': 0.0, 'speed': 20.0})
     with pytest.raises(DocumentError, match='does not end at rest'):

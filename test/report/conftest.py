@@ -22,7 +22,7 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 
 @pytest.fixture(scope='session')
 def made():
-    """(plan, trajectory, record) of the asymmetric hexagon on the planar stand-in."""
+    """(plan, trajectory, record) of the asymmetric hexagon on the planar hand."""
     scenario = load_scenario(CONFIG / 'asymmetric_hexagon.yaml')
     answer = plan_and_verify(scenario, PlanRequest(samples=2))
     return answer.plan, answer.trajectory, run(scenario, answer.trajectory, backend='planar')

@@ -92,7 +92,7 @@ def test_the_mirrored_hand_makes_the_mirrored_primitive(primitive):
     )
 
 
-def test_setpoints_of_a_move_begin_where_it_begins_and_lead_the_plan_to_its_end():
+def test_setpoints_of_a_primitive_begin_where_it_begins_and_lead_the_plan_to_its_end():
     """Led along its own setpoints by the controllers, the object of the plan comes within 2 mm and 0.02 rad of the end."""
     world, start = at_start(ASYMMETRIC)
     record = simulate_primitive(world, start, MotionPrimitive(LEFT, -0.2, 0.2))
@@ -118,7 +118,7 @@ def test_a_primitive_survives_its_document_and_a_mirror():
 @pytest.mark.parametrize(
     'damage', [{}, {'velocity_finger': 'middle'}, {'turn': 'far'}, {'torque': None}]
 )
-def test_a_damaged_move_is_refused(damage):
+def test_a_damaged_primitive_is_refused(damage):
     document = {**MotionPrimitive(RIGHT, 0.1, 0.2).to_dict(), **damage} if damage else {}
     with pytest.raises(DocumentError):
         MotionPrimitive.from_dict(document)
@@ -128,7 +128,7 @@ def test_a_damaged_move_is_refused(damage):
 @pytest.mark.parametrize(
     'scenario', [ASYMMETRIC, REGULAR, HEPTAGON], ids=['asymmetric', 'regular', 'heptagon']
 )
-def test_copies_are_drawn_alike_and_set_down_without_penetration(scenario):
+def test_samples_are_drawn_alike_and_set_down_without_penetration(scenario):
     """The first is nominal; each is at rest: it touches palm and fingers to 1e-8 m and penetrates nothing."""
     samples, again = (
         build_perturbed_samples(scenario, 6, 1.0, 3),
@@ -143,7 +143,7 @@ def test_copies_are_drawn_alike_and_set_down_without_penetration(scenario):
     assert len({c.world.obj.tobytes() for c in samples}) == 7
 
 
-def test_an_object_as_told_settles_where_it_should():
+def test_a_nominal_object_settles_where_it_should():
     np.testing.assert_array_equal(
         perturbed_start(ASYMMETRIC, ASYMMETRIC), start_configuration(ASYMMETRIC)
     )

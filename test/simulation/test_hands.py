@@ -1,4 +1,4 @@
-"""The stand-ins obey mechanics: free motion, statics, contacts at the true faces, energy, agreement with each other."""
+"""The simulated hands obey mechanics: free motion, statics, contacts at the true faces, energy, agreement with each other."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Contacts of the MuJoCo stand-in: exact normals and gaps, shallow contacts, friction that sticks, forces of the LCP's equilibrium."""
+"""Contacts of the MuJoCo hand: exact normals and gaps, shallow contacts, friction that sticks, forces of the LCP's equilibrium."""
 
 from dataclasses import replace
 from pathlib import Path

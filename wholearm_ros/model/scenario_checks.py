@@ -1,6 +1,6 @@
 """Checks of the numbers of a scenario against one another: shapes, sizes, rest, place.
 
-Each problem is told as 'key: got ...; allowed: ...'. Geometry is checked only where the shapes
+Each problem is reported as 'key: got ...; allowed: ...'. Geometry is checked only where the shapes
 themselves are sound; the start is checked by `start_checks.py`.
 """
 

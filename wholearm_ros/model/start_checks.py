@@ -1,6 +1,6 @@
 """Checks of the start, and of a goal given as a pose: no penetration, an object within reach.
 
-Each problem is told as 'key: got ...; allowed: ...'.
+Each problem is reported as 'key: got ...; allowed: ...'.
 """
 
 import numpy as np

@@ -210,7 +210,7 @@ class ContactStatePlanner(WholeArmNode):
             self.legs.happened(told.get('goal_id', ''), told['claimed'] == AT_GOAL)
 
     def no_plan(self, reason: str) -> Answer:
-        """Said on the status, too."""
+        """Reported on the status, too."""
         self.publish_status(WARN, reason)
         return False, reason, None
 

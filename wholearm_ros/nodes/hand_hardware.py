@@ -1,4 +1,4 @@
-"""The stand-in of the hand as a node, in real time or in lockstep. Replace it by yours."""
+"""The simulated hand as a node, in real time or in lockstep. Replace it with yours."""
 
 import sys
 import threading
@@ -187,7 +187,7 @@ class HandHardware(WholeArmNode):
         return response
 
     def on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Past every other node: from the motors' next period on."""
+        """Bypasses every other node, from the motors' next period on."""
         with self.lock:
             self.guard.stop()
         response.success = True

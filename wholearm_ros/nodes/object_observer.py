@@ -1,4 +1,4 @@
-"""Tells from the finger angles where the object is, and its contact state; hears no truth."""
+"""Estimates the object's pose and contact state from the finger angles; receives no true pose."""
 
 import sys
 

@@ -15,8 +15,8 @@ from wholearm_ros.trajectory.main_trajectory import generate
 
 def refine_transitions(best: Candidate, evaluation: Evaluation) -> Candidate:
     """The candidate with the transitions that survive most stress samples, of all the ways to cross
-    where the torque ranges part, if it is no worse on the samples of `evaluation`: when the extra
-    torque begins and how large it is are found, not set.
+    where the torque ranges part, if it is no worse on the samples of `evaluation`: the start
+    and the size of the extra torque are thus chosen by simulation.
     """
     parted = any(not t['condition_2'] for t in best.trajectory.transitions)
     options = _transition_choices(best, evaluation.request.transition)

@@ -1,5 +1,5 @@
-"""Moves that only forward dynamics can predict: one finger turns from rest to rest while the other
-holds a torque.
+"""Motion primitives: one finger turns from rest to rest while the other holds a torque; where that
+leads, only forward dynamics can tell.
 
 The contact state may change on the way as physics wants; no equilibrium of four contacts is needed.
 This is the dynamic manipulation of III-B.2 as a step of the search.
@@ -36,7 +36,7 @@ class Rest:
 
 @dataclass(frozen=True, eq=False)
 class PrimitiveRecord:
-    """A simulated move every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the
+    """A simulated primitive every PERIOD: configurations, velocities (m, 5), efforts (m, 2) and the
     velocity finger's wanted angle (m,); ramp: how many of the samples the torque's ramp takes;
     whether it ended at rest; the LCP's residual; stops_met: (2, 2) bool, whether the left and
     the right finger came to bear on its low and high end stop.
@@ -81,7 +81,7 @@ class PrimitiveRecord:
 
 
 def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> PrimitiveRecord:
-    """Forward dynamics of a move from rest, without friction."""
+    """Forward dynamics of a primitive from rest, without friction."""
     side = move.velocity_finger
     other = 1 - side
     weight = world.finger_moment[other] * np.cos(start.q[joint_index(other)])

@@ -1,1 +1,1 @@
-"""The stand-ins of the hand, the closed loop without ROS, and the judged outcome."""
+"""The simulated hands, the closed loop without ROS, and the judged outcome."""

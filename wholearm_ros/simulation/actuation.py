@@ -1,4 +1,4 @@
-"""The motors and encoders of every stand-in: limits, delay, gain error, noise."""
+"""The motors and encoders of every simulated hand: limits, delay, gain error, noise."""
 
 from collections import deque
 from typing import Optional

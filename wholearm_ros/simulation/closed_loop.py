@@ -1,4 +1,4 @@
-"""The closed loop without ROS: the same mode switch and controllers as the nodes, on a stand-in."""
+"""The closed loop without ROS: mode switch and controllers of the nodes, on a simulated hand."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""Stand-ins of the hand by name."""
+"""Simulated hands by name."""
 
 from typing import Optional
 
@@ -17,7 +17,7 @@ def make_hand(
     perturbation: Optional[Perturbation] = None,
     view: bool = False,
 ) -> HandBackend:
-    """A stand-in by name: 'pybullet', 'mujoco', or 'planar' (our own forward dynamics).
+    """A simulated hand by name: 'pybullet', 'mujoco', or 'planar' (our own forward dynamics).
 
     scenario: as planned; perturbation: what is truly different; rate [Hz]: of `step`;
     view: PyBullet's window. The engines are imported here, so that one that is not installed is

@@ -46,4 +46,4 @@ class HandBackend(Protocol):
         """The object's contacts after the last step."""
 
     def disconnect(self) -> None:
-        """Frees the stand-in; may be called twice."""
+        """Frees the engine; may be called twice."""

@@ -1,4 +1,4 @@
-"""The stand-in in MuJoCo: planar rigid bodies and two motors. The only file that imports mujoco.
+"""The hand in MuJoCo: planar rigid bodies and two motors. The only file that imports mujoco.
 
 The support plane's (x, y) is MuJoCo's (x, y) and gravity pulls along -y. The object's one body has
 two slides and a hinge: planar exactly. No joint has damping, friction or a motor of MuJoCo's own.

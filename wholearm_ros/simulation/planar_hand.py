@@ -1,4 +1,4 @@
-"""The stand-in by our own forward dynamics, LCP time stepping: planar, nothing but kernels."""
+"""The hand by our own forward dynamics, LCP time stepping: planar, nothing but kernels."""
 
 from typing import Optional
 

@@ -1,4 +1,4 @@
-"""The stand-in in PyBullet: planar rigid bodies, two motors. The only file that imports pybullet.
+"""The hand in PyBullet: planar rigid bodies, two motors. The only file that imports pybullet.
 
 The support plane's (x, y) is PyBullet's (X, Z), so a counter-clockwise turn is one about -Y. The
 object is the last link of a chain of two prismatic joints and a revolute one, the first two links

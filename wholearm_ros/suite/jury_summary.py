@@ -38,7 +38,7 @@ def jury_summary(results: list[dict[str, Any]]) -> dict[str, Any] | None:
 
 
 def jury_lines(summary: dict[str, Any]) -> list[str]:
-    """What a person is told of `jury_summary`."""
+    """`jury_summary` in words, for people."""
     runs = summary['runs']
     goal = ', '.join(f'{engine} {n} of {runs}' for engine, n in summary['executed'].items())
     pairs = ', '.join(

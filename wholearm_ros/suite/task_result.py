@@ -22,7 +22,7 @@ Result = dict[str, Any]
 
 
 def run_task(task: SuiteEntry, options: SuiteOptions) -> Result:
-    """Plan and execute one task. Whatever goes wrong is told in `error`, never as 'no plan'."""
+    """Plan and execute one task. Whatever goes wrong is reported in `error`, never as 'no plan'."""
     try:
         return _planned_and_executed(task, options)
     except WholeArmError as error:

@@ -37,7 +37,7 @@ NEWEST_STATE = _qos(1, reliable=False)  # joint states for those that look at a 
 
 @dataclass(frozen=True, eq=False)
 class Topic:
-    """A topic; what it carries and from whom to whom is told in docs/ros.md."""
+    """A topic; what it carries and from whom to whom is in docs/ros.md."""
 
     name: str
     type: type

@@ -1,4 +1,4 @@
-"""The server's side of action-like topics: a node's goals, and what clients are told of them."""
+"""The server's side of action-like topics: a node's goals, and its messages to clients."""
 
 from typing import Any
 

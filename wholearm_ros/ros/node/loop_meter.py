@@ -10,7 +10,7 @@ WINDOW = 2000  # the figures are those of the last so many
 
 
 class LoopMeter:
-    """Told of each stamp [ns] when it is sent, when commands answer it, and when the motors act."""
+    """Notified when the joint state of a stamp [ns] is sent, answered by commands, and acted on."""
 
     def __init__(self) -> None:
         self._sent: OrderedDict[int, int] = OrderedDict()

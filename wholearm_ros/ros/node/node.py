@@ -55,7 +55,7 @@ class WholeArmNode(Node):
     def subscription(self, topic: channels.Topic, callback: Callable[[Any], None]) -> Subscription:
         """`callback(message)`; a WholeArmError in it refuses the message: logged and counted.
 
-        A JointState comes as a JointReading, read from the wire, and is not acknowledged: sent
+        A JointState comes as a JointReading, read from the wire, and is received best effort: sent
         again, it would be old.
         """
         raw = topic.type is JointState
