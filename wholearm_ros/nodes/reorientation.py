@@ -4,6 +4,7 @@ import json
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from action_msgs.msg import GoalInfo
@@ -54,6 +55,7 @@ DECLARED = (
     ),
 )
 WATCH_PERIOD = 0.1  # [s]
+ANSWER_WITHIN = 5.0  # [s] for the planner to take a scenario
 PLANNER_WITHIN = 5.0  # [s] for which the planner's services may be out of sight
 SET_PARAMETERS = channels.Service('contact_state_planner/set_parameters', SetParameters)
 
@@ -82,7 +84,8 @@ class Reorientation(WholeArmNode):
         self.last: dict[str, str] = {}  # the generator's last result
         self.tries: list[dict[str, Any]] = []
         self.planner_is_busy = False
-        self.unasked: str | None = None  # scenario for a planner that is not seen yet
+        self.unasked: str | None = None  # scenario that the planner has not confirmed yet
+        self.ask_after = 0.0  # [s], when it is told again: an answer may be lost
         self.planner_seen = 0.0  # [s] on the machine's clock
 
         self.planner = self.create_client(channels.PLAN_SCENARIO.type, channels.PLAN_SCENARIO.name)
@@ -144,7 +147,7 @@ class Reorientation(WholeArmNode):
         """For a plan of that scenario."""
         self.phase, self.wanted, self.asked = modes.PLANNING, '', scenario
         self.publish_feedback({})
-        self.unasked = json.dumps(scenario_to_dict(scenario))
+        self.unasked, self.ask_after = json.dumps(scenario_to_dict(scenario)), 0.0
         self.planner_seen = time.monotonic()
         self.look_for_planner()
 
@@ -160,9 +163,9 @@ class Reorientation(WholeArmNode):
                 self.end(ABORTED, 'contact_state_planner is gone, or not there yet')
             return
         self.planner_seen = time.monotonic()
-        if self.unasked is not None:
-            scenario, self.unasked = self.unasked, None
-            self.configure_planner(scenario, then=self.on_configured)
+        if self.unasked is not None and self.planner_seen > self.ask_after:
+            self.ask_after = self.planner_seen + ANSWER_WITHIN
+            self.configure_planner(self.unasked, then=self.on_configured)
         elif self.planner_is_busy:
             self.ask_for_plan()
 
@@ -177,7 +180,9 @@ class Reorientation(WholeArmNode):
 
     def on_configured(self, answer: Any) -> None:
         """The planner has its scenario, or says why not."""
-        told = answer.results[0]
+        if self.unasked is None:
+            return  # it was asked again, and has answered twice
+        told, self.unasked = answer.results[0], None
         if told.successful:
             self.ask_for_plan()
         else:
@@ -210,10 +215,15 @@ class Reorientation(WholeArmNode):
         client.call_async(request).add_done_callback(done)
 
     def on_plan(self, message: String) -> None:
-        """The planner's newest."""
+        """The planner's newest; one from where the object lies is what was asked for, even if the
+        planner's answer is lost.
+        """
         self.plan_id = _key(message.data, 'id')
-        if self.asked is not None:
-            self.stop_of_plan = _stop(self.asked, message.data)
+        planned = _scenario(message.data)
+        if self.asked is not None and planned is not None:
+            self.stop_of_plan = stop_of(self.asked, planned)
+            if self.phase == modes.PLANNING and _same_start(self.asked, planned):
+                self.wanted, self.planner_is_busy = self.plan_id, False
         self.send_when_ready()
 
     def on_trajectory(self, message: String) -> None:
@@ -333,12 +343,18 @@ def _key(document: str, key: str) -> str:
     return found if isinstance(found, str) else ''
 
 
-def _stop(asked: Scenario, document: str) -> GoalOnEdge | None:
-    """Where a plan for `asked` ends, when that is only a stop on the way."""
+def _scenario(document: str) -> Scenario | None:
+    """Of a plan; None of a damaged one."""
     try:
-        return stop_of(asked, ContactPlan.from_json(document).scenario)
+        return ContactPlan.from_json(document).scenario
     except WholeArmError:
         return None
+
+
+def _same_start(asked: Scenario, planned: Scenario) -> bool:
+    """Whether both are of one object in one hand, from one start."""
+    one, other = (scenario_to_dict(replace(s, name='', goal=asked.goal)) for s in (asked, planned))
+    return one == other
 
 
 def _claim(values: dict[str, str]) -> Claim | None:

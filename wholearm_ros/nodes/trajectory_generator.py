@@ -93,7 +93,7 @@ class TrajectoryGenerator(WholeArmNode):
         self.early: EarlyGoal | None = None
         self.kept = False  # whether the last run of a plan kept to it
         self.progress: dict[str, str] = {}  # of the mode switcher
-        self.progress_at = self.accepted_at = 0.0  # [s]
+        self.silence, self.watched = 0.0, time.monotonic()  # [s] without progress; last watch
         self.last_stamp = 0  # [ns]
         self.scenario = scenario_of(self.parameters)
         self.feeler = Feeler(self.scenario)
@@ -151,7 +151,7 @@ class TrajectoryGenerator(WholeArmNode):
             set_stamp(info.stamp, self.last_stamp)
             self.goals.accept(info)
             self.goals.publish_status()
-            self.accepted_at, self.claimed = time.monotonic(), None
+            self.silence, self.claimed = 0.0, None
             self.watch()
 
     def hold(self) -> ManipulationTrajectory:
@@ -181,7 +181,7 @@ class TrajectoryGenerator(WholeArmNode):
 
     def on_progress(self, message: DiagnosticStatus) -> None:
         """Of the mode switcher, ten times a second and at every change of its mode."""
-        self.progress, self.progress_at = values_of(message), time.monotonic()
+        self.progress, self.silence = values_of(message), 0.0
         if self.early and self.progress.get('angles'):
             early, self.early = self.early.message, None
             self.on_goal(early)
@@ -205,20 +205,26 @@ class TrajectoryGenerator(WholeArmNode):
         )
 
     def watch(self) -> None:
-        """A goal executes as soon as a mode switcher is there, and ends when it falls silent."""
+        """A goal executes as soon as a mode switcher is there, and ends when it falls silent.
+
+        A watch that comes late tells of this process, not of the mode switcher: it counts as one
+        in time, for what has arrived meanwhile is read after it.
+        """
+        now = time.monotonic()
+        self.silence += min(now - self.watched, 2.0 * WATCH_PERIOD)
+        self.watched = now
         if self.early and time.monotonic() - self.early.since > PATIENCE_IN_LOCKSTEP:
             early, self.early = self.early.message, None
             self.reject(early, 'the mode switcher has not told where the fingers are')
         active = self.goals.active
         if not active:
             return
-        silence = time.monotonic() - max(self.progress_at, self.accepted_at)
-        if active.status == ACCEPTED and self.progress and silence < self.patience():
+        if active.status == ACCEPTED and self.progress and self.silence < self.patience():
             self.goals.move(EXECUTING)  # a mode switcher is there
             self.goals.publish_status()
             self.get_logger().info(f'executing plan {goal_name(goal_id_of(active.info))[:8]}')
-        elif silence > self.patience():
-            self.end(ABORTED, f'nothing from the mode switcher for {silence:.2f} s')
+        elif self.silence > self.patience():
+            self.end(ABORTED, f'nothing from the mode switcher for {self.silence:.2f} s')
 
     def patience(self) -> float:
         """[s] without a word of the mode switcher; before its first one, as in lockstep."""
