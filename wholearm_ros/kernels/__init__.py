@@ -38,13 +38,14 @@ def allocating(function):
 
 
 @cache
-def inlined(function):
+def inlined(function, **scalar):
     """A kernel that becomes part of those that call it: a small one, or one that takes a whole
     world in an inner loop.
 
-    The plain functions that it calls are compiled with it.
+    The plain functions that it calls are compiled with it. scalar: what it calls instead of a
+    function of arrays, by name; `min` takes two thirds of the time of `np.minimum`.
     """
-    plain = {
+    plain = scalar | {
         name: inlined(called)
         for name in function.__code__.co_names
         if isinstance(called := function.__globals__.get(name), FunctionType)

@@ -27,7 +27,7 @@ in_world = inlined(frame.in_world)
 in_body = inlined(frame.in_body)
 turned = inlined(frame.turned)
 point_clearance = inlined(separation.point_clearance)
-_clearance = inlined(separation.finger_clearance)
+_clearance = inlined(separation.finger_clearance, minimum=min, maximum=max)
 
 
 class Frames(NamedTuple):

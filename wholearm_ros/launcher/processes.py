@@ -2,6 +2,7 @@
 
 import ctypes
 import fcntl
+import json
 import os
 import signal
 import socket
@@ -145,7 +146,8 @@ def _text(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, list):
         return '[' + ', '.join(map(_text, value)) + ']'
-    return f'"{value}"' if isinstance(value, str) else str(value)
+    # A YAML string in double quotes, of whatever text: a scenario's JSON as well as a path.
+    return json.dumps(value) if isinstance(value, str) else str(value)
 
 
 def _shared_memory() -> set[Path]:

@@ -5,6 +5,7 @@ obj: (n, 5), the edges of the body in its frame, see `polygon.edge_table`.
 """
 
 import numpy as np
+from numpy import maximum, minimum
 
 from wholearm_ros.model.frame import Frame, Value, in_body, in_world, turned
 
@@ -36,12 +37,12 @@ def finger_clearance(
         x, y = in_world(frame, obj[j, 0], obj[j, 1])
         nx, ny = turned(frame, obj[j, 2], obj[j, 3])
         along, across = in_body(finger, x, y)
-        near_along, far_along = np.minimum(near_along, along), np.maximum(far_along, along)
-        near_across, far_across = np.minimum(near_across, across), np.maximum(far_across, across)
+        near_along, far_along = minimum(near_along, along), maximum(far_along, along)
+        near_across, far_across = minimum(near_across, across), maximum(far_across, across)
         axis = nx * (finger.x - x) + ny * (finger.y - y)
         side = half_width * np.abs(ny * finger.cos - nx * finger.sin)
-        tip = np.minimum(0.0, length * (nx * finger.cos + ny * finger.sin))
-        greatest = np.maximum(greatest, axis - side + tip)
-    beside = np.maximum(near_across - half_width, -far_across - half_width)
-    beyond = np.maximum(near_along - length, -far_along)
-    return np.maximum(greatest, np.maximum(beside, beyond))
+        tip = minimum(0.0, length * (nx * finger.cos + ny * finger.sin))
+        greatest = maximum(greatest, axis - side + tip)
+    beside = maximum(near_across - half_width, -far_across - half_width)
+    beyond = maximum(near_along - length, -far_along)
+    return maximum(greatest, maximum(beside, beyond))
