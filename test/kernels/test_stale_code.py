@@ -54,5 +54,5 @@ def test_a_kernel_follows_a_change_in_a_file_that_it_calls(package):
     assert answer(package) == 11
     assert list((package / 'wholearm_ros' / 'kernels' / '__pycache__').glob('*.nbc'))
     first = package / 'wholearm_ros' / 'kernels' / 'first.py'
-    first.write_text(ONE.replace('return 1', 'return 2'))
+    first.write_text(ONE.replace('return 1', 'return 2  # another size: Python compares seconds'))
     assert answer(package) == 12

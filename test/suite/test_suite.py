@@ -81,10 +81,10 @@ def test_an_error_is_told_as_an_error_and_spoils_nothing_else(results):
 
 
 def test_a_bug_is_never_called_infeasible(monkeypatch):
-    def broken(*_):
+    def broken(*_, **__):
         raise ZeroDivisionError('a bug')
 
-    monkeypatch.setattr('wholearm_ros.suite.task_result.plan_and_verify', broken)
+    monkeypatch.setattr('wholearm_ros.planner.legs.plan_and_verify', broken)
     result = run_task(SuiteEntry('good', HEXAGON), SuiteOptions())
     assert 'ZeroDivisionError: a bug' in result['error'] and result['reason'] == 'error'
 
