@@ -8,7 +8,7 @@ from wholearm_ros.model.certificate import certificate
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.face_map import FaceMap, Way
-from wholearm_ros.planner.legs import LegPlanner, stop_of
+from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_making import (
     MapOptions,
     Refused,
@@ -20,6 +20,7 @@ from wholearm_ros.planner.map_making import (
 )
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.planning.routes import plan
 
 SCENARIO = load_scenario('asymmetric_hexagon')

@@ -14,9 +14,10 @@ from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scen
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.model.yaml_text import read_text
 from wholearm_ros.package_share import scenario_path
-from wholearm_ros.planner.legs import LegPlanner, stop_of
+from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
+from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.rollout.verification import Verification
 from wholearm_ros.suite.suite_file import MAX_BYTES
 from wholearm_ros.trajectory.main_trajectory import generate

@@ -130,9 +130,12 @@ class Client:
             self.executor.spin_once(timeout_sec=0.05)
             self.watch()
 
-    def wait_for_graph(self, seconds: float) -> None:
+    def wait_for_graph(self, seconds: float, recorded: bool = False) -> None:
         """Until every channel of the closed loop has both its ends; raises GraphError after
         `seconds` each.
+
+        recorded: whether a recorder listens, too: it must not be taken for the node that is waited
+        for.
         """
         services = {
             s.name: self.node.create_client(s.type, s.name)
@@ -146,14 +149,17 @@ class Client:
         self.wait_for_subscribers(
             seconds,
             (
-                (channels.JOINT_COMMANDS, 1),
-                (channels.JOINT_STATES, 3),
-                (channels.VELOCITY_SETPOINT, 1),
-                (channels.TORQUE_SETPOINT, 1),
-                (channels.MANIPULATION_TRAJECTORY, 2),
-                (channels.GOAL, 1),
-                (channels.GOAL_STATUS, 1),
-                (channels.CONTACT_PLAN, 2),
+                (topic, number + recorded)
+                for topic, number in (
+                    (channels.JOINT_COMMANDS, 1),
+                    (channels.JOINT_STATES, 3),
+                    (channels.VELOCITY_SETPOINT, 1),
+                    (channels.TORQUE_SETPOINT, 1),
+                    (channels.MANIPULATION_TRAJECTORY, 2),
+                    (channels.GOAL, 1),
+                    (channels.GOAL_STATUS, 1),
+                    (channels.CONTACT_PLAN, 2),
+                )
             ),
         )
 

@@ -174,17 +174,11 @@ def _plan_and_execute(
 ) -> RunReport:
     clock = [time.monotonic()]
     tell('starting the nodes')
-    client.wait_for_graph(START_WITHIN)
-    if options.record:
-        client.wait(
-            lambda: client.node.count_subscribers(channels.OBJECT_POSE.name) >= 2,
-            START_WITHIN,
-            'bag_recorder',
-        )
-    client.wait(
-        lambda: client.node.count_subscribers(channels.REORIENTATION_GOAL.name) >= 1,
+    recorded = options.record is not None
+    client.wait_for_graph(START_WITHIN, recorded)
+    client.wait_for_subscribers(
         START_WITHIN,
-        'reorientation',
+        ((channels.OBJECT_POSE, 1 + recorded), (channels.REORIENTATION_GOAL, 1 + recorded)),
     )
     clock.append(time.monotonic())
     tell('planning')

@@ -20,8 +20,7 @@ from wholearm_ros.model.outcomes import AT_GOAL, UNVERIFIED
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
-from wholearm_ros.planner.legs import stop_of
-from wholearm_ros.planner.supervision import END, FEEL, MAX_ATTEMPTS, Decision, Supervision
+from wholearm_ros.planner.supervision import END, FEEL, MAX_ATTEMPTS, Decision, Supervision, stop_of
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import SCENARIO, scenario_of
 from wholearm_ros.ros.interface.goals import (

@@ -11,6 +11,7 @@ from wholearm_ros.planner.map_making import next_face
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.planner import Progress, plan_and_verify
 from wholearm_ros.planner.request import PlanRequest, PlanResult
+from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.trajectory.main_trajectory import generate
 
 
@@ -36,7 +37,7 @@ class LegPlanner:
         self._runs: dict[str, tuple[int, int]] = {}
 
     def plan(self, scenario: Scenario, progress: Progress = lambda line: None) -> PlanResult:
-        """A plan to the goal, or to a stop on the way to it; `stop_of` tells which.
+        """A plan to the goal, or to a stop on the way to it; `stop_of` says which.
 
         Only a goal without a direction may be reached by way of stops. Raises as `plan_and_verify`
         does.
@@ -82,15 +83,6 @@ def leg_of(asked: Scenario, result: PlanResult) -> Leg | None:
         return None
     planned = result.plan.scenario
     return Leg(result.trajectory, planned, stop_of(asked, planned))
-
-
-def stop_of(asked: Scenario, planned: Scenario) -> GoalOnEdge | None:
-    """The goal of a plan that was made for `asked` when it is only a stop on the way; else None."""
-    here, there = planned.goal, asked.goal
-    if not isinstance(here, GoalOnEdge) or not isinstance(there, GoalOnEdge):
-        return None
-    same_x = there.x is None or here.x == there.x
-    return None if here.edge == there.edge and same_x else here
 
 
 def _detours(scenario: Scenario) -> Iterator[Scenario]:

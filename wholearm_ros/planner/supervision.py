@@ -108,3 +108,12 @@ class Supervision:
         tolerance = X_TOLERANCE if goal.x_tolerance is None else goal.x_tolerance
         there = goal.x is None or abs(claim.felt.best.x - goal.x) <= tolerance
         return goal.edge == claim.felt.best.edges[0] and there
+
+
+def stop_of(asked: Scenario, planned: Scenario) -> GoalOnEdge | None:
+    """The goal of a plan that was made for `asked` when it is only a stop on the way; else None."""
+    here, there = planned.goal, asked.goal
+    if not isinstance(here, GoalOnEdge) or not isinstance(there, GoalOnEdge):
+        return None
+    same_x = there.x is None or here.x == there.x
+    return None if here.edge == there.edge and same_x else here
