@@ -174,11 +174,14 @@ def _plan_and_execute(
 ) -> RunReport:
     clock = [time.monotonic()]
     tell('starting the nodes')
-    recorded = options.record is not None
-    client.wait_for_graph(START_WITHIN, recorded)
+    all_recorded = options.record is not None and not options.topics
+    client.wait_for_graph(START_WITHIN, all_recorded)
     client.wait_for_subscribers(
         START_WITHIN,
-        ((channels.OBJECT_POSE, 1 + recorded), (channels.REORIENTATION_GOAL, 1 + recorded)),
+        (
+            (channels.OBJECT_POSE, 2 if options.record else 1),
+            (channels.REORIENTATION_GOAL, 1 + all_recorded),
+        ),
     )
     clock.append(time.monotonic())
     tell('planning')
