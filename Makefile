@@ -62,10 +62,11 @@ $(STAMP): setup.py pyproject.toml
 	@# PyBullet has wheels up to Python 3.11; it is not compiled, MuJoCo takes its place.
 	@$(PIP) --only-binary pybullet -e '.[pybullet]' 2>/dev/null || \
 	  echo "pybullet has no wheel for this Python: MuJoCo is the default (to compile it: pip install pybullet)"
-	@# An editable install leaves the ament files out; links, so that an edited config counts at once.
+	@# An editable install leaves the ament files out; links to files, so that an edited config counts
+	@# at once: `ros2 launch` does not look into a linked directory.
 	@share=$(VENV)/share/wholearm_ros index=$(VENV)/share/ament_index/resource_index/packages; \
-	mkdir -p $$share $$index $(VENV)/lib; \
-	for f in package.xml config launch; do ln -sfn $(CURDIR)/$$f $$share/$$f; done; \
+	for d in config launch; do rm -rf $$share/$$d; mkdir -p $$share/$$d; done; mkdir -p $$index; \
+	for f in package.xml config/*.* launch/*.py; do ln -sfn $(CURDIR)/$$f $$share/$$f; done; \
 	ln -sfn $(CURDIR)/resource/wholearm_ros $$index/wholearm_ros; \
 	mkdir -p $(VENV)/lib/wholearm_ros; cp resource/executables/* $(VENV)/lib/wholearm_ros/
 	@echo "compiling the kernels (once) ..."; $(PY) -m wholearm_ros.planner.warm

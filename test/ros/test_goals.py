@@ -120,7 +120,7 @@ def test_a_slide_a_turn_and_both_are_planned_between_poses(graph, x, goal_x, tur
     from nav_msgs.srv import GetPlan
 
     graph.start(('contact_state_planner',))
-    told = graph.listen(channels.PLANNER_STATUS)
+    told, plans = graph.listen(channels.PLANNER_STATUS), graph.listen(channels.CONTACT_PLAN)
     world = build_world(ASYMMETRIC)
     request = GetPlan.Request()
     start, goal = (pose_on_palm(world, at, angle) for at, angle in ((x, 0.0), (goal_x, turn)))
@@ -132,6 +132,8 @@ def test_a_slide_a_turn_and_both_are_planned_between_poses(graph, x, goal_x, tur
     last = poses[-1].pose
     assert abs(last.position.x - goal[0]) < 0.005
     assert abs(2 * np.arctan2(last.orientation.z, last.orientation.w) - turn) < 0.015
+    graph.client.executor.spin_once(timeout_sec=0.2)
+    assert not plans  # a question disarms nothing
 
 
 def test_feedback_does_not_depend_on_the_switchers_diagnostics(graph):

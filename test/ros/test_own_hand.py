@@ -28,6 +28,18 @@ def own_hand(domain):
     assert process.wait(20) == 0
 
 
+def test_the_command_runs_with_a_hand_of_ones_own(own_hand):
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'run', '--no-hardware', '--pacing', 'lockstep']
+        + ['--rate', '250'],
+        capture_output=True,
+        text=True,
+        timeout=200,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert 'was felt at its goal' in done.stdout and own_hand.poll() is None
+
+
 def test_a_hand_of_ones_own_turns_the_hexagon_and_obeys_stop_and_reset(own_hand, graph):
     graph.start(OTHERS, torque_controller={'motor_rate': 250.0})
     graph.client.wait_for_graph(120.0)

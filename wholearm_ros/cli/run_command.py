@@ -28,6 +28,7 @@ from wholearm_ros.launcher.launcher import RunOptions, RunReport, attempt_line, 
 from wholearm_ros.launcher.live_view import view_on
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Backend, Pacing, Search, Storage, Transition
+from wholearm_ros.model.outcomes import AT_GOAL
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.package_share import scenario_path
@@ -73,6 +74,10 @@ def run(
             help='Trajectories at most: felt elsewhere, planned again from there.',
         ),
     ] = MAX_ATTEMPTS,
+    hardware: Annotated[
+        bool,
+        typer.Option(help='Start the simulated hand; --no-hardware: a hand of yours is there.'),
+    ] = True,
     network: Annotated[
         bool,
         typer.Option(
@@ -103,6 +108,7 @@ def run(
         time_budget=time_budget,
         probe=probe,
         attempts=attempts,
+        hardware=hardware,
     )
     report = _run(asked, options)
     _print(report, options, str(path))
@@ -143,9 +149,9 @@ def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
     """The verdict first, then what led to it."""
     judged = report.judged
     if report.success:
-        out.print('[bold green]success:[/] the object rests on its goal')
-    elif judged is not None:
-        reason = judged.reason or report.result.get('reason', '')
+        out.print(f'[bold green]success:[/] {_arrival(report)}')
+    elif report.attempts:
+        reason = (judged.reason if judged else '') or report.result.get('reason', '')
         out.print(f'[bold red]not at the goal:[/] {escape(reason)}', soft_wrap=True)
     else:
         out.print(f'[bold red]not executed:[/] {escape(report.message)}', soft_wrap=True)
@@ -153,14 +159,15 @@ def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
     if report.planned:
         _line('plan', report.message.removeprefix('plan '))
     _line('timings', _timings(report))
-    if judged is not None:
+    if report.attempts:
         modes = [f'{mode} {seconds:.2f} s' for mode, seconds in report.modes.items() if seconds]
-        x, y, turn = judged.pose
         _line('path', f'{report.path_length} subgoals')
         _line('modes', ', '.join(modes))
         for place, attempt in enumerate(report.attempts, 1):
             _line('' if place > 1 else 'attempts', attempt_line(place, attempt))
         _line('goal', f'{report.result.get("outcome")}: {report.result.get("reason")}')
+    if judged is not None:
+        x, y, turn = judged.pose
         _line(
             'final pose',
             f'x {x:.6f} m, y {y:.6f} m, rotation {turn:.6f} rad; {judged.angle_error:+.4f} rad '
@@ -168,6 +175,14 @@ def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
         )
     if options.record:
         _line('bag', options.record)
+
+
+def _arrival(report: RunReport) -> str:
+    if report.judged is not None:
+        return 'the object rests on its goal'
+    if report.result.get('claimed') == AT_GOAL:
+        return 'the object was felt at its goal'
+    return 'the trajectory was led to its end; where the object lies was not felt'
 
 
 def _timings(report: RunReport) -> str:

@@ -42,7 +42,8 @@ class RunOptions:
     """What `wholearm run` was told.
 
     rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
-    when empty; time_budget: for planning [s].
+    when empty; time_budget: for planning [s]; hardware: whether the simulated hand is started, else
+    another hand has to be there.
     """
 
     scenario: str
@@ -59,6 +60,7 @@ class RunOptions:
     probe: bool = True
     attempts: int = MAX_ATTEMPTS
     time_budget: float = PlanRequest.time_budget
+    hardware: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +86,9 @@ class RunReport:
 
     @property
     def success(self) -> bool:
-        """Whether the goal succeeded and the object truly rests at it."""
-        return (
-            self.judged is not None
-            and self.judged.executed
-            and self.result.get('outcome') == SUCCEEDED
-        )
+        """Whether the goal succeeded, and the object rests at it where the truth is known."""
+        truly = self.judged is None or self.judged.executed
+        return self.planned and truly and self.result.get('outcome') == SUCCEEDED
 
 
 def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
@@ -104,16 +103,17 @@ def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
             'priority': LOOP_PRIORITY,
             **({'topics': list(options.topics)} if options.topics else {}),
         }
-    return {
-        **nodes,
-        'hand_hardware': {
+    if options.hardware:
+        nodes['hand_hardware'] = {
             **scenario,
             **pacing,
             **loop,
             'backend': options.backend,
             'view': options.view,
             'motor_rate': options.rate,
-        },
+        }
+    return {
+        **nodes,
         'mode_switcher': {**pacing, **loop, 'probe': options.probe},
         'velocity_controller': {**scenario, **loop},
         'torque_controller': {**scenario, **loop, 'motor_rate': options.rate},
@@ -199,7 +199,7 @@ def _plan_and_execute(
         latest.planner.get('message', ''),
         latest.planner,
         reached,
-        _judge(client, scenario, len(attempts)),
+        _judge(client, scenario, len(attempts)) if options.hardware else None,
         latest.trajectory.time_in_modes() if latest.trajectory else {},
         _timings(clock),
         len(latest.plan.path) if latest.plan else 0,

@@ -117,16 +117,21 @@ class ContactStatePlanner(WholeArmNode):
     async def on_plan_scenario(
         self, _: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        """The scenario as configured."""
-        response.success, response.message, _ = await self.answer(
-            lambda: scenario_of(self.parameters)
-        )
+        """The scenario as configured; the plan goes to whoever executes it."""
+        answer = await self.answer(lambda: scenario_of(self.parameters))
+        response.success, response.message, plan = answer
+        if plan is not None:
+            self.planned += 1
+            self.contact_plan.publish(String(data=plan.to_json()))
         return response
 
     async def on_plan(
         self, request: GetPlan.Request, response: GetPlan.Response
     ) -> GetPlan.Response:
-        """Between two poses of the object; no poses when there is no plan."""
+        """Between two poses of the object; no poses when there is no plan: the status says why.
+
+        A question: what would be executed stays as it is.
+        """
         _, _, plan = await self.answer(lambda: self.between(request))
         stamp = self.get_clock().now().to_msg()
         response.plan.header.frame_id, response.plan.header.stamp = channels.PALM_FRAME, stamp
@@ -154,7 +159,7 @@ class ContactStatePlanner(WholeArmNode):
         return parse_scenario(scenario_to_dict(asked), 'plan request')
 
     async def answer(self, make_scenario: Callable[[], Scenario]) -> Answer:
-        """(found, one line, plan or None); the plan is published when there is one."""
+        """(found, one line, plan or None); the status tells of it, too."""
         if self.busy:
             return False, PLANNER_BUSY, None
         self.busy, done = True, Future(executor=self.executor)
@@ -177,7 +182,7 @@ class ContactStatePlanner(WholeArmNode):
             return self.no_plan(f'the planner failed by a fault of its own: {error!r}')
         finally:
             self.busy = False
-        return self.publish(result)
+        return self.concluded(result)
 
     def plan(self, scenario: Scenario, request: PlanRequest, done: Future) -> None:
         """Of the thread: `done` becomes a PlanResult or an exception."""
@@ -214,12 +219,9 @@ class ContactStatePlanner(WholeArmNode):
         self.publish_status(WARN, reason)
         return False, reason, None
 
-    def publish(self, result: PlanResult) -> Answer:
-        """The plan, when there is one, and the figures of the search."""
+    def concluded(self, result: PlanResult) -> Answer:
+        """The figures of the search."""
         plan, found = result.plan, result.trajectory is not None
-        self.planned += found
-        if found:
-            self.contact_plan.publish(String(data=plan.to_json()))
         self.publish_status(
             OK if found else WARN,
             plan.summary(),
