@@ -54,6 +54,15 @@ def test_a_stop_on_the_way_costs_no_attempt():
     assert (decision.action, decision.outcome) == (END, ELSEWHERE)
 
 
+def test_a_stop_that_is_felt_only_at_the_second_probe_is_not_taken_for_the_goal():
+    stop = GoalOnEdge(4, 'ccw')
+    supervision, decision = Supervision(SCENARIO).executed(Claim(UNKNOWN, 'wedged'), stop)
+    assert decision.action == FEEL
+    supervision, decision = supervision.felt(replace(elsewhere(edge=4), outcome=AT_GOAL))
+    assert (decision.action, supervision.stops) == (PLAN, 1)
+    assert decision.scenario.start.edge == 4
+
+
 def test_what_ends_at_the_goal_by_chance_is_at_the_goal():
     missed = elsewhere(edge=5)
     _, decision = Supervision(SCENARIO).executed(missed, stop=GoalOnEdge(0, 'cw'))

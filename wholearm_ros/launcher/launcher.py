@@ -248,6 +248,8 @@ def _tell(latest: LatestMessages, tell: Tell, told: int) -> int:
 def attempt_line(place: int, attempt: dict[str, Any]) -> str:
     """What came of one motion of a run, for people."""
     kind = 'attempt' if attempt['planned'] else 'felt again'
+    if attempt.get('stop', '') != '':
+        kind += f' (to edge {attempt["stop"]}, on the way)'
     return f'{place}. {kind}: {attempt["claimed"] or attempt["outcome"]}: {attempt["reason"]}'
 
 

@@ -262,7 +262,7 @@ class Reorientation(WholeArmNode):
         canceling = bool(self.goals.active and self.goals.active.status == CANCELING)
         planned, self.sent, self.last = self.phase == modes.EXECUTING, None, values
         said = _claim(values)
-        self.tries.append(_told(values, planned))
+        self.tries.append(_told(values, planned, self.stop))
         if canceling or values.get('outcome') == 'canceled' or said is None:
             ended_by_cancel = canceling or values.get('outcome') == 'canceled'
             self.end(CANCELED if ended_by_cancel else ABORTED, values.get('reason', ''))
@@ -361,10 +361,14 @@ def _claim(values: dict[str, str]) -> Claim | None:
     return Claim.from_dict(values) if values.get('claimed') else None
 
 
-def _told(values: dict[str, str], planned: bool) -> dict[str, Any]:
+def _told(values: dict[str, str], planned: bool, stop: GoalOnEdge | None) -> dict[str, Any]:
     """An attempt, or a probe alone, in the list of a result."""
     keys = ('goal_id', 'outcome', 'claimed', 'reason', 'felt_edge', 'felt_x', 'stamp')
-    return {'planned': planned, **{key: values.get(key, '') for key in keys}}
+    return {
+        'planned': planned,
+        'stop': stop.edge if stop else '',
+        **{key: values.get(key, '') for key in keys},
+    }
 
 
 def main() -> None:

@@ -33,13 +33,15 @@ class Decision:
 class Supervision:
     """scenario: with the goal as given; attempts: trajectories executed so far; stops: those that
     arrived where they should on the way to the goal, which are not counted against `max_attempts`;
-    feels: probes since the last conclusive one; claims: so far, in order.
+    stop: where the last trajectory should end, None for the goal itself: claims are of that; feels:
+    probes since the last conclusive one; claims: so far, in order.
     """
 
     scenario: Scenario
     max_attempts: int = MAX_ATTEMPTS
     attempts: int = 0
     stops: int = 0
+    stop: GoalOnEdge | None = None
     feels: int = 0
     claims: tuple[Claim, ...] = ()
 
@@ -52,21 +54,23 @@ class Supervision:
     def executed(
         self, claim: Claim, stop: GoalOnEdge | None = None
     ) -> 'tuple[Supervision, Decision]':
-        """After a trajectory and its probe.
+        """After a trajectory and its probe; stop: where it should end when that is not the goal."""
+        begun = replace(self, attempts=self.attempts + 1, stop=stop, feels=0)
+        return begun.felt(claim)
 
-        stop: where the trajectory should end when that is not the goal; the claim is of it.
+    def felt(self, claim: Claim) -> 'tuple[Supervision, Decision]':
+        """After a probe alone, or that of a trajectory; the claim is of where the last one should
+        end, and before the first one of whatever was done before.
         """
-        after = replace(self, attempts=self.attempts + 1, feels=0, claims=(*self.claims, claim))
-        if stop is None or claim.outcome not in (AT_GOAL, ELSEWHERE) or claim.felt is None:
+        after = replace(self, claims=(*self.claims, claim))
+        sure = claim.outcome in (AT_GOAL, ELSEWHERE) and claim.felt is not None
+        of_the_goal = self.attempts > 0 and self.stop is None
+        if of_the_goal or not sure:
             return after._decide(claim)
         if self._fulfilled(claim):
             return after, Decision(END, AT_GOAL, claim.reason)
-        after = replace(after, stops=after.stops + (claim.outcome == AT_GOAL))
-        return after._go_on(claim)
-
-    def felt(self, claim: Claim) -> 'tuple[Supervision, Decision]':
-        """After a probe alone."""
-        return replace(self, claims=(*self.claims, claim))._decide(claim)
+        arrived = self.stop is not None and claim.outcome == AT_GOAL
+        return replace(after, stops=self.stops + arrived)._go_on(claim)
 
     def no_plan(self, reason: str) -> Decision:
         """When the scenario cannot be planned."""

@@ -88,16 +88,18 @@ class HandSession:
         begun = len(self.motions)
         supervision = Supervision(scenario, self.options.attempts)
         decision = supervision.begin()
+        told = scenario  # of the last leg, of whose goal claims are
         while decision.action != END:
             if decision.action == FEEL:
-                supervision, decision = supervision.felt(self.feel(scenario))
+                supervision, decision = supervision.felt(self.feel(told))
                 continue
             assert decision.scenario is not None
             leg = pursuit.plan(decision.scenario)
             if leg is None:
                 decision = supervision.no_plan('from where the object lies')
                 continue
-            said = self._lead(leg.trajectory, leg.scenario, planned=True)
+            told = leg.scenario
+            said = self._lead(leg.trajectory, told, planned=True)
             pursuit.happened(leg, said.outcome == AT_GOAL)
             supervision, decision = supervision.executed(said, leg.stop)
         made = tuple(self.motions[begun:])
