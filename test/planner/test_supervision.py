@@ -63,6 +63,17 @@ def test_a_stop_that_is_felt_only_at_the_second_probe_is_not_taken_for_the_goal(
     assert decision.scenario.start.edge == 4
 
 
+def test_before_the_first_trajectory_only_what_is_felt_counts():
+    """The claim is of the goal before: what lies elsewhere is not at this goal."""
+    to_be_felt = replace(SCENARIO, start=replace(SCENARIO.start, felt=True))
+    supervision = Supervision(to_be_felt)
+    assert supervision.begin().action == FEEL
+    _, decision = supervision.felt(replace(elsewhere(edge=4), outcome=AT_GOAL))
+    assert decision.action == PLAN and not decision.scenario.to_be_felt
+    _, decision = supervision.felt(elsewhere(edge=5))
+    assert (decision.action, decision.outcome) == (END, AT_GOAL)
+
+
 def test_what_ends_at_the_goal_by_chance_is_at_the_goal():
     missed = elsewhere(edge=5)
     _, decision = Supervision(SCENARIO).executed(missed, stop=GoalOnEdge(0, 'cw'))

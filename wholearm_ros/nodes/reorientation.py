@@ -115,6 +115,7 @@ class Reorientation(WholeArmNode):
         self.goals.move(EXECUTING)
         self.goals.publish_status()
         self.round, self.sent, self.last, self.tries = self.round + 1, None, {}, []
+        self.stop = None
         self.supervision = Supervision(self.scenario, self.parameters.max_attempts)
         self.decide(self.supervision.begin())
 
