@@ -106,6 +106,9 @@ def test_poses_that_cannot_be_planned_are_answered(graph):
     request.start.pose.orientation.w = request.goal.pose.orientation.w = 1.0
     request.start.pose.position.y = -5.0
     assert not graph.client.call(channels.PLAN, 120.0, request).plan.poses
+    request.start.pose.position.y = 0.1
+    assert not graph.client.call(channels.PLAN, 120.0, request).plan.poses
+    graph.wait(lambda: told and 'mm above the palm; allowed' in told[-1].message, 'the reason')
     request.start.pose.orientation.x = float('nan')
     assert not graph.client.call(channels.PLAN, 120.0, request).plan.poses
     graph.wait(lambda: told and 'not finite' in told[-1].message, 'the reason')

@@ -44,12 +44,28 @@ def palm_height(vertices: np.ndarray, x: float) -> float:
     return float(np.interp(x, vertices[:, 0], vertices[:, 1]))
 
 
-def _palm_penetration(key: str, scenario: Scenario, pose: np.ndarray) -> str | None:
+def palm_clearance(scenario: Scenario, pose: np.ndarray) -> float:
+    """Between the palm and the object at `pose` (3,) [m]; negative where it penetrates."""
     vertices, palm = scenario.object.polygon.vertices_about_centroid, scenario.palm.vertices
     corners, edges = placed(vertices, pose), edge_table(vertices, closed=True)
     over = (corners[:, 0] >= palm[0, 0]) & (corners[:, 0] <= palm[-1, 0])
-    depths = [palm_height(palm, x) - y for x, y in corners[over]]
-    depth = max(depths + [-point_clearance(edges, frame_at(*pose), *p)[0] for p in palm])
+    heights = [y - palm_height(palm, x) for x, y in corners[over]]
+    return float(min(heights + [point_clearance(edges, frame_at(*pose), *p)[0] for p in palm]))
+
+
+def floating(key: str, scenario: Scenario, pose: np.ndarray, allowed: float) -> str | None:
+    """The problem of an object at `pose` (3,) more than `allowed` [m] above the palm, if it is."""
+    height = palm_clearance(scenario, pose)
+    if height > allowed:
+        return (
+            f'{key}: got an object {1e3 * height:.2f} mm above the palm; '
+            f'allowed: at most {1e3 * allowed:g} mm'
+        )
+    return None
+
+
+def _palm_penetration(key: str, scenario: Scenario, pose: np.ndarray) -> str | None:
+    depth = -palm_clearance(scenario, pose)
     if depth > MAX_PENETRATION:
         return (
             f'{key}: got an object that penetrates the palm by {1e3 * depth:.2f} mm; '

@@ -25,6 +25,7 @@ from wholearm_ros.model.outcomes import AT_GOAL, PROBED
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
+from wholearm_ros.model.start_checks import floating
 from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
@@ -86,6 +87,7 @@ DECLARED = (
 )
 # [m, m, rad] of the goal pose of a `plan` request without one.
 TOLERANCE = np.array([0.01, 0.005, 0.03])
+MOST_HEIGHT = 1e-3  # [m] of the start above the palm in a `plan` request
 Answer = tuple[bool, str, Optional[ContactPlan]]  # found, one line, the plan
 
 
@@ -151,6 +153,9 @@ class ContactStatePlanner(WholeArmNode):
         goal[2] += 2 * np.pi * round((start[2] - goal[2]) / (2 * np.pi))  # the shorter way round
         tolerance = TOLERANCE.copy()
         tolerance[:2] = request.tolerance or tolerance[:2]
+        for key, pose, height in (('start', start, MOST_HEIGHT), ('goal', goal, tolerance[1])):
+            if problem := floating(key, scenario, pose, height):
+                raise MessageError(problem)
         world = build_world(scenario)
         fingers = np.array([close_finger(world, start, side) for side in (LEFT, RIGHT)])
         asked = replace(

@@ -216,7 +216,8 @@ class HandHardware(WholeArmNode):
                 {
                     'overruns': self.timer.overruns,
                     'worst lateness ms': self.timer.worst_late / 1e6,
-                    'behind the wall clock ms': self.timer.slipped / 1e6,
+                    'behind the wall clock ms': self.timer.behind / 1e6,
+                    'slipped ms': self.timer.slipped / 1e6,
                 }
             )
         if guard.state == ZERO_TORQUE:
