@@ -1,9 +1,13 @@
 """A trajectory that only holds the fingers where they are: it goes before a probe alone."""
 
 import uuid
+from dataclasses import replace
 
 import numpy as np
 
+from wholearm_ros.estimation.feel import Feeler
+from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
+from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.modes import DYNAMIC
 from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 
@@ -32,9 +36,16 @@ def hold_trajectory(
     )
 
 
-def hold_after(
-    before: ManipulationTrajectory, angles: np.ndarray, weights: np.ndarray
+def hold_to_feel(
+    feeler: Feeler, angles: np.ndarray, before: ManipulationTrajectory | None = None
 ) -> ManipulationTrajectory:
-    """What goes before another probe after `before`: held from the other side than the last one."""
+    """The fingers held at `angles` (2,) [rad], and the probe of what lies between them: from the
+    other side than after `before`, or of whatever it may be when nothing was done before.
+    """
+    weights = feeler.model.world.finger_moment
+    if before is None:
+        hold = hold_trajectory(angles, weights, feeler.hypotheses[0].pose, LEFT)
+        return replace(hold, probe=probe_of_the_unknown(feeler, LEFT, float(angles[LEFT])))
     held = 1 - before.segments[-1].velocity_finger
-    return hold_trajectory(angles, weights, before.poses[-1], held)
+    hold = hold_trajectory(angles, weights, before.poses[-1], held)
+    return replace(hold, probe=probe_after(feeler, hold))

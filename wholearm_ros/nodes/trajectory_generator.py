@@ -15,10 +15,9 @@ from std_msgs.msg import String
 
 from wholearm_ros.estimation.claim import Claim, reported_as_kept, reported_claim
 from wholearm_ros.estimation.feel import Feeler
-from wholearm_ros.estimation.hold import hold_after, hold_trajectory
-from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
+from wholearm_ros.estimation.hold import hold_to_feel
+from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.choices import Pacing
-from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.modes import DONE, IDLE, STOPPED
 from wholearm_ros.model.outcomes import AT_GOAL, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.plan import ContactPlan
@@ -159,14 +158,8 @@ class TrajectoryGenerator(WholeArmNode):
         than the last one.
         """
         angles = np.array(json.loads(self.progress['angles']))
-        weights = self.feeler.model.world.finger_moment
-        if self.executed:
-            hold = hold_after(self.executed, angles, weights)
-            probe = probe_after(self.feeler, hold)
-        else:
-            hold = hold_trajectory(angles, weights, self.feeler.hypotheses[0].pose, LEFT)
-            probe = probe_of_the_unknown(self.feeler, LEFT, float(angles[LEFT]))
-        return replace(hold, plan_id=goal_name(FEEL_GOAL), probe=probe)
+        hold = hold_to_feel(self.feeler, angles, self.executed)
+        return replace(hold, plan_id=goal_name(FEEL_GOAL))
 
     def reject(self, request: GoalInfo, reason: str) -> None:
         """Logged, and told to the client."""
@@ -213,7 +206,7 @@ class TrajectoryGenerator(WholeArmNode):
         now = time.monotonic()
         self.silence += min(now - self.watched, 2.0 * WATCH_PERIOD)
         self.watched = now
-        if self.early and time.monotonic() - self.early.since > PATIENCE_IN_LOCKSTEP:
+        if self.early and now - self.early.since > PATIENCE_IN_LOCKSTEP:
             early, self.early = self.early.message, None
             self.reject(early, 'the mode switcher has not told where the fingers are')
         active = self.goals.active

@@ -10,13 +10,12 @@ import numpy as np
 from wholearm_ros.control.execution import Execution
 from wholearm_ros.estimation.claim import Claim, claim, kept_to_plan
 from wholearm_ros.estimation.feel import Feeler
-from wholearm_ros.estimation.hold import hold_after, hold_trajectory
-from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
-from wholearm_ros.model.hand import LEFT
+from wholearm_ros.estimation.hold import hold_to_feel
+from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.outcomes import AT_GOAL, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.probe import Probe
-from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartAtPose, StartOnEdge
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planner.legs import Leg, LegPlanner, leg_of
 from wholearm_ros.planner.map_store import MapStore
@@ -114,7 +113,7 @@ class HandSession:
         done: list[Attempts] = []
         start = scenario.start
         for face in faces:
-            asked = scenario if not done else _from(scenario, start, face)
+            asked = replace(scenario, start=start, goal=GoalOnEdge(face)) if done else scenario
             done.append(self.pursue(asked, pursuit))
             felt = self.motions[-1].claim.felt if self.motions else None
             if done[-1].motions and (felt is None or done[-1].outcome in (LOST, UNKNOWN)):
@@ -126,24 +125,19 @@ class HandSession:
     def feel(self, scenario: Scenario) -> Claim:
         """A probe alone, from the other side than the last one."""
         angles, _ = self.hand.joints()
-        weights = self.feeler.model.world.finger_moment
-        if self.motions:
-            hold = hold_after(self.motions[-1].trajectory, angles, weights)
-            return self._lead(hold, scenario, planned=False)
-        hold = hold_trajectory(angles, weights, self.feeler.hypotheses[0].pose, LEFT)
-        unknown = probe_of_the_unknown(self.feeler, LEFT, float(angles[LEFT]))
-        return self._lead(hold, scenario, planned=False, probe=unknown)
+        before = self.motions[-1].trajectory if self.motions else None
+        return self._lead(hold_to_feel(self.feeler, angles, before), scenario, planned=False)
 
     def _lead(
         self,
         trajectory: ManipulationTrajectory,
         scenario: Scenario,
         planned: bool,
-        probe: Probe | None = None,
     ) -> Claim:
         """A trajectory, and what the probe after it says of the goal of `scenario`."""
-        if self.options.probe:
-            probe = probe or probe_after(self.feeler, trajectory)
+        probe = trajectory.probe
+        if planned and self.options.probe:
+            probe = probe_after(self.feeler, trajectory)
         loop = self.options.loop
         execution = Execution(trajectory, loop.controls, loop.settle, probe)
         record = lead(self.hand, execution, loop, self.perturbation)
@@ -160,7 +154,3 @@ class HandSession:
             return Claim(UNKNOWN, f'stopped: {record.reason}')
         felt = self.feeler.feel(probe, np.array(record.pairs), record.interrupted)
         return claim(self.feeler, scenario, felt, self.tracked)
-
-
-def _from(scenario: Scenario, start: StartOnEdge | StartAtPose, face: int) -> Scenario:
-    return replace(scenario, start=start, goal=GoalOnEdge(face))
