@@ -13,7 +13,6 @@ import argparse
 import json
 import time
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,18 +21,11 @@ from make_suite import CORNERS, random_task
 from wholearm_ros.model.scenario import GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planner.legs import LegPlanner, leg_of
-from wholearm_ros.planner.map_making import (
-    MapOptions,
-    Refused,
-    faces_of,
-    make_way,
-    slides_to_try,
-    turns_to_try,
-)
+from wholearm_ros.planner.map_making import MapOptions, slides_to_try, turns_to_try
 from wholearm_ros.planner.map_store import MapStore
+from wholearm_ros.suite.map_work import try_ways
 from wholearm_ros.suite.sequence import run_sequence
 from wholearm_ros.suite.suite_options import SuiteOptions
-from wholearm_ros.suite.workers import work_on
 
 
 def make_map(scenario, options: MapOptions, jobs: int) -> dict:
@@ -43,11 +35,7 @@ def make_map(scenario, options: MapOptions, jobs: int) -> dict:
         lambda: turns_to_try(scenario, options),
         lambda: slides_to_try(scenario, options, store.load().ways),
     ):
-        open_ = [s for s in wanted() if not store.has(s)]
-        for k, tried in work_on(
-            open_, partial(make_way, options=options), lost, min(jobs, max(len(open_), 1))
-        ):
-            store.save(open_[k], tried)
+        list(try_ways(store.untried(wanted()), store, options, jobs))
     took = time.monotonic() - began
     face_map = store.load()
     faces = face_map.faces
@@ -68,27 +56,23 @@ def make_map(scenario, options: MapOptions, jobs: int) -> dict:
     }
 
 
-def lost(scenario, why: str) -> Refused:
-    """A worker that died."""
-    return Refused(scenario.start, scenario.goal, f'error: {why}')
-
-
 def run_sequences(scenario, rng, options, count: int, length: int) -> list:
     """A list of `reached` lists, each face with whether the map knew a route to it from where the object lay."""
-    faces, face_map, told = faces_of(scenario.object.polygon), MapStore(scenario).load(), []
+    store, told = MapStore(scenario), []
+    face_map = store.load()
+    pairs = {(s.edge, face) for s, face, _ in face_map.all_pairs()}
     starts = sorted({w.start for w in face_map.ways}, key=lambda s: (s.edge, s.x))
     for draw in range(count if starts else 0):
         start, asked = starts[rng.integers(len(starts))], []
         for _ in range(length):
             before = asked[-1] if asked else start.edge
-            asked.append(int(rng.choice([f for f in faces if f != before])))
+            asked.append(int(rng.choice([f for f in face_map.faces if f != before])))
         begun = replace(scenario, start=start, goal=GoalOnEdge(asked[0]))
-        first = leg_of(begun, LegPlanner(options.request, MapStore(scenario)).plan(begun))
+        first = leg_of(begun, LegPlanner(options.request, store).plan(begun))
         reached = run_sequence(begun, tuple(asked), first, options, draw, scenario.name)['reached']
         at = start.edge
         for one in reached:
-            known = {face for s, face, _ in face_map.all_pairs() if s.edge == at}
-            one['known'] = one['edge'] in known
+            one['known'] = (at, one['edge']) in pairs
             at = one.get('true_edge')
         told.append(reached)
     return told

@@ -47,7 +47,7 @@ def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
         )
         try:
             polygon = Polygon(vertices)
-            stable = [k for k in range(corners) if polygon.can_rest_on(k)]
+            stable = polygon.resting_edges
             goal = stable[(stable.index(edge) - turn) % len(stable)]
             task = {
                 **SHIPPED[0],

@@ -7,12 +7,10 @@ import pytest
 from wholearm_ros.model.certificate import certificate
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.planner.face_map import FaceMap, Way
+from wholearm_ros.planner.face_map import FaceMap, Refused, Way
 from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_making import (
     MapOptions,
-    Refused,
-    faces_of,
     make_way,
     next_face,
     slides_to_try,
@@ -74,7 +72,7 @@ def test_what_fails_in_a_session_is_avoided_but_not_banned(route):
 def test_the_next_faces_are_the_neighbours_and_every_turn_is_asked_for_once():
     polygon = SCENARIO.object.polygon
     assert (next_face(polygon, 0, CCW), next_face(polygon, 0, CW)) == (5, 1)
-    faces = faces_of(polygon)
+    faces = polygon.resting_edges
     turns = turns_to_try(SCENARIO, replace(OPTIONS, half_range=0.01))
     asked = {(s.start.edge, s.start.x, s.goal.direction) for s in turns}
     assert len(asked) == len(turns) == 2 * 3 * len(faces)

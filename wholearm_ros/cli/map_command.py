@@ -1,7 +1,6 @@
 """`wholearm map`: from which face to which an object can be turned in a hand, and how surely."""
 
 import os
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -10,20 +9,14 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from wholearm_ros.cli.options import JsonOption, ScenarioName, SeedOption, output_file
 from wholearm_ros.cli.output import err, finish, print_plain, write_json, write_text
-from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.planner.face_map import FaceMap, Way
-from wholearm_ros.planner.map_making import (
-    MapOptions,
-    Refused,
-    make_way,
-    slides_to_try,
-    turns_to_try,
-)
+from wholearm_ros.planner.face_map import FaceMap, Refused, Way
+from wholearm_ros.planner.map_making import MapOptions, slides_to_try, turns_to_try
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.html.map_page import map_page
-from wholearm_ros.suite.workers import work_on
+from wholearm_ros.suite.map_work import try_ways
 
 EPILOG = 'Exit codes: 0 at least one way was found, 1 none, 2 bad input.'
 
@@ -83,21 +76,13 @@ def _make(
     name: str, wanted: list[Scenario], store: MapStore, options: MapOptions, workers: int
 ) -> None:
     """Try what was not tried yet, each kept as soon as it is done."""
-    open_ = [scenario for scenario in wanted if not store.has(scenario)]
+    untried = store.untried(wanted)
     columns = TextColumn(name), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=err, transient=True) as progress:
-        bar = progress.add_task(name, total=len(wanted), completed=len(wanted) - len(open_))
-        work = partial(make_way, options=options)
-        for k, tried in work_on(open_, work, _lost, min(workers, max(len(open_), 1))):
-            store.save(open_[k], tried)
+        bar = progress.add_task(name, total=len(wanted), completed=len(wanted) - len(untried))
+        for tried in try_ways(untried, store, options, workers):
             print_plain(_line(tried))
             progress.advance(bar)
-
-
-def _lost(scenario: Scenario, why: str) -> Refused:
-    start, goal = scenario.start, scenario.goal
-    assert isinstance(start, StartOnEdge) and isinstance(goal, GoalOnEdge)
-    return Refused(start, goal, f'error: {why}')
 
 
 def _line(tried: Way | Refused) -> str:

@@ -66,6 +66,11 @@ class Polygon:
         along = float((self.centroid - self.vertices[edge]) @ e / (e @ e))
         return 0.0 < along < 1.0
 
+    @cached_property
+    def resting_edges(self) -> tuple[int, ...]:
+        """Those on which it can rest, in order: its faces."""
+        return tuple(k for k in range(len(self.vertices)) if self.can_rest_on(k))
+
     def mirrored(self) -> 'Polygon':
         """The mirror image (x → -x), counter-clockwise again: edge k becomes edge n - 1 - k."""
         n = len(self.vertices)

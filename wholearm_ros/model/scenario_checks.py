@@ -120,7 +120,7 @@ def _rest_problems(table: ScenarioTable) -> list[str]:
         if not isinstance(end, kind) or end.edge is None:
             continue
         n = len(polygon.vertices)
-        stable = [k for k in range(n) if polygon.can_rest_on(k)]
+        stable = polygon.resting_edges
         if end.edge >= n:
             problems.append(
                 f'{key}.edge: got {end.edge}; allowed: 0 to {n - 1}, the object has {n} edges'

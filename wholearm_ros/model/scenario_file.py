@@ -88,7 +88,7 @@ def _start(table: ScenarioTable, polygon: Polygon) -> StartOnEdge | StartAtPose:
     if not isinstance(table.start, StartOnEdgeTable):
         return StartAtPose(**given)
     if table.start.edge is None:  # a simulated hand has to have it somewhere
-        given['edge'] = next(k for k in range(len(polygon.vertices)) if polygon.can_rest_on(k))
+        given['edge'] = polygon.resting_edges[0]
     given['x'] = given['x'] or 0.0
     return StartOnEdge(**given)
 

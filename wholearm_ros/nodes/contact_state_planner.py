@@ -26,6 +26,7 @@ from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 from wholearm_ros.model.start_checks import floating
+from wholearm_ros.planner.face_map import Way
 from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
@@ -102,6 +103,7 @@ class ContactStatePlanner(WholeArmNode):
         scenario_of(self.parameters)  # refused now rather than at the first request
         self.busy, self.planned = False, 0
         self.maps: MapStore | None = None
+        self.published_ways: tuple[Way, ...] | None = None
         self.legs = LegPlanner(PlanRequest())
         self.face_map = self.publisher(channels.FACE_MAP)
         self.subscription(channels.RESULT, self.on_result)
@@ -203,15 +205,19 @@ class ContactStatePlanner(WholeArmNode):
         maps = MapStore(scenario)
         if self.maps is None or self.maps.directory != maps.directory:
             self.maps, self.legs = maps, LegPlanner(request, maps)
+            self.published_ways = None
         self.legs.request = request
         return self.legs
 
     def publish_map(self, scenario: Scenario) -> None:
-        """As far as it is made, after a plan that may have come from it."""
+        """As far as it is made, after a plan that may have come from it; not the same one again."""
         goal = scenario.goal
-        if self.maps is not None and isinstance(goal, GoalOnEdge) and goal.direction is None:
-            document = self.maps.load().to_dict(scenario.name)
-            self.face_map.publish(String(data=json.dumps(document)))
+        if self.maps is None or not isinstance(goal, GoalOnEdge) or goal.direction is not None:
+            return
+        found = self.maps.load()
+        if found.ways != self.published_ways:
+            self.published_ways = found.ways
+            self.face_map.publish(String(data=json.dumps(found.to_dict(scenario.name))))
 
     def on_result(self, message: DiagnosticStatus) -> None:
         """Of the trajectory generator: whether a plan led to its goal."""

@@ -218,11 +218,11 @@ class Reorientation(WholeArmNode):
         """The planner's newest; one from where the object lies is what was asked for, even if the
         planner's answer is lost.
         """
-        self.plan_id = _key(message.data, 'id')
-        planned = _scenario(message.data)
-        if self.asked is not None and planned is not None:
-            self.stop_of_plan = stop_of(self.asked, planned)
-            if self.phase == modes.PLANNING and _same_start(self.asked, planned):
+        plan = _plan(message.data)
+        self.plan_id = plan.id if plan else ''
+        if self.asked is not None and plan is not None:
+            self.stop_of_plan = stop_of(self.asked, plan.scenario)
+            if self.phase == modes.PLANNING and _same_start(self.asked, plan.scenario):
                 self.wanted, self.planner_is_busy = self.plan_id, False
         self.send_when_ready()
 
@@ -343,10 +343,10 @@ def _key(document: str, key: str) -> str:
     return found if isinstance(found, str) else ''
 
 
-def _scenario(document: str) -> Scenario | None:
-    """Of a plan; None of a damaged one."""
+def _plan(document: str) -> ContactPlan | None:
+    """None of a damaged one."""
     try:
-        return ContactPlan.from_json(document).scenario
+        return ContactPlan.from_json(document)
     except WholeArmError:
         return None
 

@@ -75,26 +75,48 @@ class Way:
 
 
 @dataclass(frozen=True, eq=False)
+class Refused:
+    """A way for which there is no plan: from where, to where, and why."""
+
+    start: StartOnEdge
+    goal: GoalOnEdge
+    reason: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """For the map's document."""
+        return {
+            'from': {'edge': self.start.edge, 'x': self.start.x},
+            'to': {'edge': self.goal.edge, 'x': self.goal.x},
+            'direction': self.goal.direction,
+            'reason': self.reason,
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class FaceMap:
-    """faces: edges on which the object can rest; ways: certified; refused: what was tried without a
-    plan, as {'from', 'to', 'direction', 'reason'}.
-    """
+    """faces: edges on which the object can rest; ways: certified; refused: tried in vain."""
 
     faces: tuple[int, ...]
     ways: tuple[Way, ...] = ()
-    refused: tuple[dict[str, Any], ...] = ()
+    refused: tuple[Refused, ...] = ()
 
     def route(self, start: StartOnEdge, goal: GoalOnEdge) -> tuple[Way, ...]:
         """The surest way after way from `start` to the goal's edge, whatever the x there; () when
-        there is none, or none is needed (Dijkstra).
+        there is none, or none is needed.
+        """
+        return self.routes(start).get(goal.edge, ())
+
+    def routes(self, start: StartOnEdge) -> dict[int, tuple[Way, ...]]:
+        """By edge, the surest route from `start` to every face that can be reached, () to the face
+        on which it is (Dijkstra).
         """
         open_: list[tuple[float, int, StartOnEdge, tuple[Way, ...]]] = [(0.0, 0, start, ())]
+        found: dict[int, tuple[Way, ...]] = {}
         closed: set[Way] = set()
         pushed = 0
         while open_:
             price, _, place, route = heapq.heappop(open_)
-            if place.edge == goal.edge:
-                return route
+            found.setdefault(place.edge, route)
             if route and route[-1] in closed:
                 continue
             closed.update(route[-1:])
@@ -103,7 +125,7 @@ class FaceMap:
                     pushed += 1
                     entry = (price + way.price, pushed, way.end, (*route, way))
                     heapq.heappush(open_, entry)
-        return ()
+        return found
 
     def success_rate(self, route: Iterable[Way]) -> float:
         """Of all ways of a route in a row."""
@@ -128,7 +150,7 @@ class FaceMap:
                 for face in self.faces
             ],
             'edges': [way.to_dict() for way in self.ways],
-            'refused': list(self.refused),
+            'refused': [refused.to_dict() for refused in self.refused],
             'pairs': [
                 {
                     'from': {'edge': start.edge, 'x': start.x},
@@ -143,10 +165,10 @@ class FaceMap:
     def all_pairs(self) -> 'list[tuple[StartOnEdge, int, tuple[Way, ...]]]':
         """(start, other face, route): every start of a way, every other face that is reached."""
         starts = sorted({w.start for w in self.ways}, key=lambda s: (s.edge, s.x))
-        found = []
-        for start in starts:
-            for face in self.faces:
-                route = self.route(start, GoalOnEdge(face)) if face != start.edge else ()
-                if route:
-                    found.append((start, face, route))
-        return found
+        return [
+            (start, face, routes[face])
+            for start in starts
+            for routes in [self.routes(start)]
+            for face in self.faces
+            if face != start.edge and face in routes
+        ]

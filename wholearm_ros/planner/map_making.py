@@ -9,7 +9,7 @@ from wholearm_ros.errors import ScenarioError
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
-from wholearm_ros.planner.face_map import FaceMap, Way
+from wholearm_ros.planner.face_map import Refused, Way
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 
@@ -36,20 +36,6 @@ class MapOptions:
         return tuple(sorted(places, key=abs))
 
 
-@dataclass(frozen=True, eq=False)
-class Refused:
-    """A way for which there is no plan: from where, to where, and why."""
-
-    start: StartOnEdge
-    goal: GoalOnEdge
-    reason: str
-
-
-def faces_of(polygon: Polygon) -> tuple[int, ...]:
-    """Edges on which the object can rest."""
-    return tuple(k for k in range(len(polygon.vertices)) if polygon.can_rest_on(k))
-
-
 def next_face(polygon: Polygon, face: int, direction: str) -> int | None:
     """The next edge on which the object can rest when it is turned from `face`; None without
     another.
@@ -57,7 +43,7 @@ def next_face(polygon: Polygon, face: int, direction: str) -> int | None:
     sign, begin = (1.0 if direction == CCW else -1.0), polygon.resting_angle(face)
     turns = {
         other: float(np.mod(sign * (polygon.resting_angle(other) - begin), 2.0 * np.pi))
-        for other in faces_of(polygon)
+        for other in polygon.resting_edges
         if other != face
     }
     return min(turns, key=lambda other: turns[other]) if turns else None
@@ -68,7 +54,7 @@ def turns_to_try(scenario: Scenario, options: MapOptions) -> list[Scenario]:
     polygon = scenario.object.polygon
     found = []
     for x in options.places:
-        for face in faces_of(polygon):
+        for face in polygon.resting_edges:
             for direction in (CCW, CW):
                 goal = next_face(polygon, face, direction)
                 if goal is not None:
@@ -83,7 +69,7 @@ def slides_to_try(scenario: Scenario, options: MapOptions, ways: Iterable[Way]) 
     """
     turns = [way for way in ways if way.goal.direction]
     found: dict[tuple[int, float, float], Scenario] = {}
-    for face in faces_of(scenario.object.polygon):
+    for face in scenario.object.polygon.resting_edges:
         starts = _places_on(face, options, turns)
         for direction in (CCW, CW):
             here = [w for w in turns if (w.start.edge, w.goal.direction) == (face, direction)]
@@ -125,23 +111,6 @@ def make_way(scenario: Scenario, options: MapOptions) -> Way | Refused:
     ends = [r.configurations[-1, 0] for r in result.verification.rollouts if r.success]
     end = StartOnEdge(goal.edge, round(float(np.median(ends)), 5))
     return Way(start, options.reach, goal, end, result.plan)
-
-
-def build_map(scenario: Scenario, tried: Iterable[Way | Refused]) -> FaceMap:
-    """The map of what was tried."""
-    tried = list(tried)
-    refused = (
-        {
-            'from': {'edge': t.start.edge, 'x': t.start.x},
-            'to': {'edge': t.goal.edge, 'x': t.goal.x},
-            'direction': t.goal.direction,
-            'reason': t.reason,
-        }
-        for t in tried
-        if isinstance(t, Refused)
-    )
-    ways = tuple(t for t in tried if isinstance(t, Way))
-    return FaceMap(faces_of(scenario.object.polygon), ways, tuple(refused))
 
 
 def _between(scenario: Scenario, start: StartOnEdge, goal: GoalOnEdge) -> Scenario | None:

@@ -5,7 +5,8 @@ being made can be used, and one that was interrupted goes on.
 import hashlib
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable
+from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,7 @@ from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.plan import TIME_SPENT, ContactPlan
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import scenario_to_dict
-from wholearm_ros.planner.face_map import FaceMap, Way
-from wholearm_ros.planner.map_making import Refused, build_map
+from wholearm_ros.planner.face_map import FaceMap, Refused, Way
 
 DIRECTORY = 'WHOLEARM_MAPS'  # environment variable: where maps are kept
 
@@ -31,18 +31,24 @@ class MapStore:
 
     def __init__(self, scenario: Scenario, maps: Path | None = None) -> None:
         self.scenario = scenario
-        self._known: dict[Path, tuple[int, Way | Refused | None]] = {}  # by file: its time, and it
         self.directory = (maps or maps_directory()) / _key(scenario)
 
     def load(self) -> FaceMap:
         """The map as far as it is made."""
-        return build_map(self.scenario, self._tried())
+        tried = [_tried(file) for file in sorted(self.directory.glob('*.json'))]
+        ways = tuple(t for t in tried if isinstance(t, Way))
+        refused = tuple(t for t in tried if isinstance(t, Refused))
+        return FaceMap(self.scenario.object.polygon.resting_edges, ways, refused)
+
+    def untried(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
+        """Those between whose start and goal no way was tried yet, or for too short a time."""
+        return [scenario for scenario in scenarios if not self.has(scenario)]
 
     def has(self, scenario: Scenario) -> bool:
         """Whether the way between a scenario's start and goal was tried, and not for too short a
         time.
         """
-        tried = self._read(self._file(scenario))
+        tried = _tried(self._file(scenario))
         return tried is not None and not (
             isinstance(tried, Refused) and tried.reason.startswith(TIME_SPENT)
         )
@@ -67,19 +73,6 @@ class MapStore:
                 f'in the environment variable {DIRECTORY}'
             ) from error
 
-    def _tried(self) -> Iterator[Way | Refused]:
-        for file in sorted(self.directory.glob('*.json')):
-            tried = self._read(file)
-            if tried is not None:
-                yield tried
-
-    def _read(self, file: Path) -> Way | Refused | None:
-        """A file that has not changed is read once."""
-        time = file.stat().st_mtime_ns if file.is_file() else 0
-        if self._known.get(file, (0, None))[0] != time:
-            self._known[file] = time, _read_file(file)
-        return self._known[file][1] if time else None
-
     def _file(self, scenario: Scenario) -> Path:
         start, goal = scenario.start, scenario.goal
         assert isinstance(start, StartOnEdge) and isinstance(goal, GoalOnEdge)
@@ -88,8 +81,14 @@ class MapStore:
         return self.directory / f'{name}.json'
 
 
-def _read_file(file: Path) -> Way | Refused | None:
+def _tried(file: Path) -> Way | Refused | None:
     """None of one that is not there, or damaged: it is tried again."""
+    return _read_file(file, file.stat().st_mtime_ns) if file.is_file() else None
+
+
+@lru_cache(maxsize=4096)
+def _read_file(file: Path, time: int) -> Way | Refused | None:
+    """A file that has not changed since `time` [ns] is read once by a process."""
     try:
         return _read(json.loads(file.read_text(encoding='utf-8')))
     except (OSError, ValueError, KeyError, TypeError, WholeArmError):

@@ -6,7 +6,7 @@ Pure: whoever executes tells the claim that came of it and is told what to do ne
 from dataclasses import dataclass, replace
 
 from wholearm_ros.estimation.claim import Claim
-from wholearm_ros.model.goal import X_TOLERANCE
+from wholearm_ros.model.goal import goal_region
 from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartOnEdge
 
@@ -109,9 +109,9 @@ class Supervision:
         goal = self.scenario.goal
         if isinstance(goal, GoalAtPose) or claim.felt is None or len(claim.felt.best.edges) > 1:
             return False
-        tolerance = X_TOLERANCE if goal.x_tolerance is None else goal.x_tolerance
-        there = goal.x is None or abs(claim.felt.best.x - goal.x) <= tolerance
-        return goal.edge == claim.felt.best.edges[0] and there
+        region, best = goal_region(self.scenario), claim.felt.best
+        there = goal.x is None or abs(best.x - region.target[0]) <= region.tolerance[0]
+        return goal.edge == best.edges[0] and bool(there)
 
 
 def stop_of(asked: Scenario, planned: Scenario) -> GoalOnEdge | None:

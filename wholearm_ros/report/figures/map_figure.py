@@ -11,7 +11,7 @@ from matplotlib.patches import FancyArrowPatch
 
 from wholearm_ros.model.polygon import Polygon, rotated
 from wholearm_ros.model.scenario import CCW, CW, Scenario
-from wholearm_ros.planner.face_map import FaceMap, Way
+from wholearm_ros.planner.face_map import FaceMap, Refused, Way
 from wholearm_ros.report.figures.canvas import new_figure
 from wholearm_ros.report.figures.palette import INK, OBJECT, OBJECT_EDGE, SIDE_COLOURS
 
@@ -80,12 +80,8 @@ def _best_turns(face_map: FaceMap) -> dict[tuple[int, int, str], Way]:
 
 def _draw_places(axes: Any, face_map: FaceMap) -> None:
     """A row a face and direction, a column a place; the lower bound of the success rate in each."""
-    tried = [(w.start.edge, w.goal.direction, w.start.x) for w in face_map.ways if w.goal.direction]
-    tried += [
-        (r['from']['edge'], r['direction'], r['from']['x'])
-        for r in face_map.refused
-        if r['direction']
-    ]
+    ways: tuple[Way | Refused, ...] = (*face_map.ways, *face_map.refused)
+    tried = [(w.start.edge, w.goal.direction, w.start.x) for w in ways if w.goal.direction]
     if not tried:
         axes.axis('off')
         return
