@@ -1,5 +1,7 @@
 """Wrong hands are found out by what they do: each of them fails the check of its mistake."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -118,6 +120,11 @@ def test_a_push_finds_sign_swap_unit_and_delay(wrong, name):
     checks = check_moving([push(0, **wrong)], None, None, HAND)
     assert failed(checks) == {f'{name} of {JOINT_NAMES[0]}'}
     assert [c.passed for c in checks[-2:]] == [None, None]  # not tried
+
+
+def test_a_push_that_was_aborted_fails():
+    aborted = replace(push(0), aborted='aborted: faster than 1.5 rad/s')
+    assert failed(check_moving([aborted], None, None, HAND)) == {f'motion of {JOINT_NAMES[0]}'}
 
 
 def test_no_watchdog_and_a_stop_that_does_nothing_are_found():

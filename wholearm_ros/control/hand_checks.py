@@ -19,6 +19,7 @@ MOVED = 0.004  # [rad] of motion that is no noise
 STARTED = 0.02  # [rad/s] of change at which a finger has begun to move
 ZERO_TORQUE = 0.05  # [N m]
 SCALE = 5.0  # factor by which the acceleration may differ from the scenario's
+PUSHED = 'motion', 'sign', 'torque unit', 'latency'  # judged of each joint
 NOT_TRIED = 'not tried: needs --move'
 
 
@@ -104,7 +105,7 @@ def check_moving(
 
 def not_moved(why: str = NOT_TRIED) -> list[Check]:
     """The checks of `check_moving` where nothing was moved."""
-    names = [f'{kind} of {n}' for n in JOINT_NAMES for kind in ('sign', 'torque unit', 'latency')]
+    names = [f'{kind} of {n}' for n in JOINT_NAMES for kind in PUSHED]
     return [Check(n, None, why) for n in (*names, 'watchdog', 'stop service')]
 
 
@@ -232,15 +233,21 @@ def _push(push: Push, finger: Finger) -> list[Check]:
     started = np.flatnonzero(np.abs(speeds) > STARTED)
     checks = [
         Check(
+            f'motion of {name}',
+            not push.aborted,
+            push.aborted or 'within the limits of the push',
+            'compare sign and unit of torque and angle, mass and rotor_inertia of the scenario; '
+            'nothing else in the way of the finger',
+        ),
+        Check(
             f'sign of {name}',
             right,
-            f'{push.torque:+.2f} N m moved it by {furthest:+.4f} rad'
-            + (f' ({push.aborted})' if push.aborted else ''),
+            f'{push.torque:+.2f} N m moved it by {furthest:+.4f} rad',
             'the other joint moved: the joints are swapped'
             if swapped
             else 'angle and torque are both counter-clockwise positive; where it does not move, '
             'look for friction, an end stop, or a command that is not taken',
-        )
+        ),
     ]
     if not right or not started.size:
         why = 'not tried: it did not move as it should'
