@@ -12,7 +12,7 @@ import wholearm_ros as wa
 from wholearm_ros.model.hand import JOINT_NAMES
 
 DT = 1.0 / 250.0
-START = np.array([2.0, 1.1])
+START = np.full(2, np.pi / 2)  # upright: no weight to bear
 
 
 class WrongHand(Node):

@@ -195,7 +195,13 @@ class _Examiner:
         return Push(joint, step, began, samples, aborted)
 
     def _silence(self) -> Silence:
-        """After the last command; the stop, should the finger run away."""
+        """After a last command that moves both fingers: without a watchdog they run on, and are
+        stopped.
+        """
+        extra = np.array([self._away(LEFT), self._away(RIGHT)])
+        heard = len(self.samples)
+        self.law = lambda q, v: self._weights(q) + extra
+        self._spin(SETTLE, lambda: len(self.samples) > heard)
         self.law = None
         began, before = self.client.node.get_clock().now().nanoseconds, len(self.samples)
         until_zero = time.monotonic() + HOLD_TIME
