@@ -47,9 +47,9 @@ def plan_of_motion(scenario: Scenario) -> str:
     """What `check_hand` will do to the hand, for its user to read before."""
     steps = [_step(scenario.hand[k]) for k in (LEFT, RIGHT)]
     return (
-        '--move: calls hand_hardware/reset before each step, pushes the fingers one after the other '
-        f'by {ENOUGH} rad with {steps[0]:.2f} and {steps[1]:.2f} N m beyond their weight for at most '
-        f'{PUSH} s, stops commanding for {SILENCE:.1f} s (the torque then is zero: fingers '
+        '--move: calls hand_hardware/reset before each step, pushes the fingers one after the '
+        f'other by {ENOUGH} rad with {steps[0]:.2f} and {steps[1]:.2f} N m beyond their weight for '
+        f'at most {PUSH} s, stops commanding for {SILENCE:.1f} s (the torque then is zero: fingers '
         'may fall), calls hand_hardware/stop, and leaves the hand stopped. '
         f'Ends at {FURTHEST} rad or {FASTEST} rad/s.'
     )
