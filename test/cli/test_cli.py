@@ -18,7 +18,9 @@ def wholearm(*arguments):
     return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
-@pytest.mark.parametrize('command', ['', 'plan', 'simulate', 'map', 'suite', 'version'])
+@pytest.mark.parametrize(
+    'command', ['', 'plan', 'simulate', 'map', 'suite', 'check-hand', 'version']
+)
 def test_help_names_an_example(command):
     told = wholearm(*command.split(), '--help')
     assert told.exit_code == 0

@@ -20,6 +20,7 @@ COMMANDS = {
     'report': 'Write what happened as one HTML file.',
     'run': 'Plan and execute on the ROS 2 graph, each node a process.',
     'feel': 'Feel what lies in the hand, before anything is planned (needs ROS 2).',
+    'check-hand': 'Check your own hand against the contract (needs ROS 2).',
     'version': 'Print the version.',
 }
 HELP = {'help_option_names': ['-h', '--help']}
@@ -91,13 +92,14 @@ def load_command(name: str) -> TyperCommand:
     """The command of cli/<name>_command.py; where what it imports is missing, a command that says
     so.
     """
+    function = name.replace('-', '_')
     try:
-        module = import_module(f'wholearm_ros.cli.{name}_command')
+        module = import_module(f'wholearm_ros.cli.{function}_command')
     except ImportError as error:
         if (error.name or '').partition('.')[0] == 'wholearm_ros':
             raise  # a mistake of ours, not a missing ROS
         return _unavailable(name, str(error))
-    return _single(name, getattr(module, name), getattr(module, 'EPILOG', EXIT_CODES), HELP)
+    return _single(name, getattr(module, function), getattr(module, 'EPILOG', EXIT_CODES), HELP)
 
 
 def _unavailable(name: str, missing: str) -> TyperCommand:
