@@ -11,7 +11,7 @@ import numpy as np
 import rclpy
 from action_msgs.msg import GoalInfo
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -48,7 +48,8 @@ class LatestMessages:
     """The newest of each kind of message; empty, or None, before the first one.
 
     progress: of the mode switcher; feedback, result: of the generator; reorientation, reached:
-    feedback and result of the supervisor; poses: stamp [ns] → (3,) [m, m, rad], all of them.
+    feedback and result of the supervisor; goal_listeners: to whom its goals for the generator go;
+    poses: stamp [ns] → (3,) [m, m, rad], all of them.
     """
 
     plan: ContactPlan | None = None
@@ -62,6 +63,7 @@ class LatestMessages:
     reorientation: Values = field(default_factory=dict)
     reached: Values = field(default_factory=dict)
     reached_message: str = ''
+    goal_listeners: int = 0
     poses: dict[int, np.ndarray] = field(default_factory=dict)
 
 
@@ -100,6 +102,7 @@ class Client:
             (channels.RESULT, self._on_result),
             (channels.REORIENTATION_FEEDBACK, self._on_reorientation),
             (channels.REORIENTATION_RESULT, self._on_reached),
+            (channels.DIAGNOSTICS, self._on_diagnostics),
         )
         for topic, hear in heard:
             self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
@@ -183,6 +186,16 @@ class Client:
     ) -> None:
         for topic, number in least:
             self.wait(partial(_at_least, count, topic.name, number), seconds, f'topic {topic.name}')
+
+    def wait_for_supervisor(self, seconds: float, recorded: bool = False) -> None:
+        """Until it has found who shall receive its goals, the recorder included: what is published
+        before that is lost to them. Raises GraphError after `seconds`.
+        """
+        number = 1 + recorded
+        self.wait_for_subscribers(seconds, ((channels.REORIENTATION_GOAL, number),))
+        self.wait(
+            lambda: self.latest.goal_listeners >= number, seconds, 'listeners of reorientation'
+        )
 
     def call(self, service: channels.Service, seconds: float, request: Any = None) -> Any:
         """The response of `service` to `request`, an empty one by default; raises GraphError after
@@ -277,6 +290,12 @@ class Client:
         values = values_of(message)
         if values.get('goal_id') == self._reorient_id:
             self.latest.reached, self.latest.reached_message = values, message.message
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            listeners = values_of(status).get(channels.GOAL_LISTENERS, '')
+            if listeners.isdecimal():
+                self.latest.goal_listeners = int(listeners)
 
     def _on_pose(self, message: PoseStamped) -> None:
         self.latest.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')

@@ -177,12 +177,9 @@ def _plan_and_execute(
     all_recorded = options.record is not None and not options.topics
     client.wait_for_graph(START_WITHIN, all_recorded)
     client.wait_for_subscribers(
-        START_WITHIN,
-        (
-            (channels.OBJECT_POSE, 2 if options.record else 1),
-            (channels.REORIENTATION_GOAL, 1 + all_recorded),
-        ),
+        START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),)
     )
+    client.wait_for_supervisor(START_WITHIN, all_recorded)
     clock.append(time.monotonic())
     tell('planning')
     client.reorient()

@@ -324,7 +324,11 @@ class Reorientation(WholeArmNode):
 
     def health(self) -> tuple[bytes, str, dict[str, Any]]:
         """For /diagnostics."""
-        return OK, self.phase or 'ready', {'attempts': self.supervision.attempts}
+        values = {
+            'attempts': self.supervision.attempts,
+            channels.GOAL_LISTENERS: self.generator_goal.get_subscription_count(),
+        }
+        return OK, self.phase or 'ready', values
 
     def leave(self) -> None:
         """Whoever waits is told, and the hand holds."""
