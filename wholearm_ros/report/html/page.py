@@ -13,7 +13,7 @@ def page(title: str, body: str, data: dict[str, Any], script: str, plots: bool =
     """script: the file in assets/ that brings the page to life; it finds `data` in REPORT; plots:
     whether it draws plots, for which the page then holds the library.
     """
-    values = json.dumps(data, separators=(',', ':'), allow_nan=False).replace('</', '<\\/')
+    values = json.dumps(data, separators=(',', ':'), allow_nan=False).replace('<', '\\u003c')
     scripts = (
         _plotly() if plots else '',
         f'const REPORT = {values};',
