@@ -3,27 +3,7 @@ const R = REPORT, T = R.times, last = T.length - 1;
 const byId = id => document.getElementById(id);
 const shown = {k: -1, t: T[0]};
 
-// ---- the scene, the plan's outlines over it, and the normals of what touches
-const {world, move} = makeScene(byId('scene'), R.scene);
-const ghosts = R.scene.fingers.map(f => make(world, 'polygon', {class: 'ghost', points: points(f.outline)}));
-const ghost = make(world, 'polygon', {class: 'ghost', points: points(R.scene.object)});
-const estimate = make(world, 'polygon', {class: 'estimate', points: points(R.scene.object)});
-const normals = make(world, 'g', {class: 'normals'});
-const lerp = (list, k, u) => list[k].map((v, i) => v + u * (list[Math.min(k + 1, last)][i] - v));
-
-function draw(k, u) {
-  move(R.pose[k][0] === null ? null : lerp(R.pose, k, u), lerp(R.angles, k, u));
-  lerp(R.planned_angles, k, u).forEach((a, i) => ghosts[i].setAttribute('transform', place(...R.scene.fingers[i].axis, a)));
-  ghost.setAttribute('transform', place(...lerp(R.planned_pose, k, u)));
-  const told = R.estimate[k][0] !== null;  // an estimate holds until the next one
-  estimate.style.display = told ? '' : 'none';
-  if (told) estimate.setAttribute('transform', place(...R.estimate[k]));
-  normals.replaceChildren();
-  for (let i = 0; i < R.touches[k].length; i += 4) {
-    const [x, y, nx, ny] = R.touches[k].slice(i, i + 4);
-    make(normals, 'line', {class: 'normal', x1: x, y1: y, x2: x + 16 * nx, y2: y + 16 * ny});
-  }
-}
+const draw = makeRunScene(byId('scene'), R);
 
 // ---- plots
 const band = (a, b, mode) => ({type: 'rect', xref: 'x', yref: 'paper', x0: a, x1: b, y0: 0, y1: 1, layer: 'below',
