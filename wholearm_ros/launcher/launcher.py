@@ -176,9 +176,7 @@ def _plan_and_execute(
     tell('starting the nodes')
     all_recorded = options.record is not None and not options.topics
     client.wait_for_graph(START_WITHIN, all_recorded)
-    client.wait_for_subscribers(
-        START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),)
-    )
+    client.wait_for_subscribers(START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),))
     client.wait_for_supervisor(START_WITHIN, all_recorded)
     clock.append(time.monotonic())
     tell('planning')
