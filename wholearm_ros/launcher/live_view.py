@@ -5,7 +5,6 @@ from typing import Optional, Union
 
 import numpy as np
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 from rich.console import Console, Group
 from rich.live import Live
 from rich.panel import Panel
@@ -14,12 +13,12 @@ from rich.table import Table
 from rich.text import Text
 
 from wholearm_ros.launcher.client import Client
-from wholearm_ros.model.hand import CLOSING, JOINT_NAMES, SIDES
+from wholearm_ros.model.hand import CLOSING, SIDES
 from wholearm_ros.model.modes import CAGING, DONE, DWELL, DYNAMIC, IDLE, QUASI_STATIC, STOPPED
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
-from wholearm_ros.ros.interface.messages import to_nanoseconds
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, read_joints
+from wholearm_ros.ros.interface.messages import to_joints
 
 RATE = 10.0  # [1/s] at which the picture is drawn anew
 BAR = 48  # characters
@@ -199,16 +198,9 @@ class LiveView:
         start = latest.progress.get('trajectory start')
         if not start:
             return None
-        message = deserialize_message(self._joints, channels.JOINT_STATES.type)
-        time = (to_nanoseconds(message.header.stamp) - int(start)) / NANOSECONDS
-        order = [list(message.name).index(name) for name in JOINT_NAMES]
-        return moment_of(
-            latest.trajectory,
-            latest.mode,
-            time,
-            np.array(message.position)[order],
-            np.array(message.effort)[order],
-        )
+        stamp, joints = to_joints(read_joints(self._joints))
+        time = (stamp - int(start)) / NANOSECONDS
+        return moment_of(latest.trajectory, latest.mode, time, joints.angles, joints.known_efforts)
 
 
 class PlainView:

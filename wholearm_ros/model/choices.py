@@ -38,6 +38,13 @@ class Pacing(str, Enum):
     lockstep = 'lockstep'
 
 
+class CommandStamps(str, Enum):
+    """What the stamps of joint commands are: of the joint states they answer, or their sender's."""
+
+    answered = 'answered'
+    arrival = 'arrival'
+
+
 class Storage(str, Enum):
     """File format of a bag."""
 

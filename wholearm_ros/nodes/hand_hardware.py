@@ -14,7 +14,7 @@ from wholearm_ros.control.command_watchdog import BRAKE, STOPPED, ZERO_TORQUE, C
 from wholearm_ros.control.periodic_timer import PeriodicTimer
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
-from wholearm_ros.model.choices import Pacing
+from wholearm_ros.model.choices import CommandStamps, Pacing, values
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import PACING, SCENARIO, scenario_of
@@ -25,9 +25,9 @@ from wholearm_ros.ros.interface.messages import (
     joint_states_bytes,
     pose_message,
     set_stamp,
-    to_command,
+    to_commands,
 )
-from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.interface.parameters import Declared, ParameterError
 from wholearm_ros.ros.node.loop_meter import LoopMeter
 from wholearm_ros.ros.node.node import ERROR, OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
@@ -48,6 +48,16 @@ DECLARED = (
         'age of a command beyond which the drives hold the fingers; realtime [s]',
         0.002,
         1.0,
+    ),
+    Declared(
+        'command_stamps',
+        CommandStamps.answered.value,
+        'answered: of the joint states they answer; arrival: any within stamp_tolerance of the '
+        "clock, or 0, as ros2_control's are; realtime only",
+        choices=values(CommandStamps),
+    ),
+    Declared(
+        'stamp_tolerance', 0.1, 'of the stamps of commands that count on arrival [s]', 0.0, 10.0
     ),
     Declared(
         'hold_time', 0.5, 'of holding, after which their torque is zero; realtime [s]', 0.0, 60.0
@@ -76,6 +86,12 @@ class HandHardware(WholeArmNode):
         p, self.scenario = self.parameters, scenario_of(self.parameters)
         self.lockstep = p.pacing == Pacing.lockstep.value
         self.period = round(NANOSECONDS / p.motor_rate)  # [ns]
+        self.by_arrival = p.command_stamps == CommandStamps.arrival.value
+        if self.by_arrival and self.lockstep:
+            raise ParameterError(
+                'hand_hardware: command_stamps: got arrival in lockstep, which waits for commands '
+                'with its own stamps; allowed: answered'
+            )
 
         self.hand = make_hand(p.backend, self.scenario, rate=p.motor_rate, view=p.view)
         self.start = start_configuration(self.scenario)
@@ -86,6 +102,7 @@ class HandHardware(WholeArmNode):
             [hand.left.torque_limit, hand.right.torque_limit],
             round(p.command_timeout * NANOSECONDS),
             round(p.hold_time * NANOSECONDS),
+            round(p.stamp_tolerance * NANOSECONDS) if self.by_arrival else None,
         )
         self.steps, self.told_state, self.meter = 0, BRAKE, LoopMeter()
         self.pose_every = max(1, round(p.motor_rate / p.object_pose_rate))
@@ -118,12 +135,14 @@ class HandHardware(WholeArmNode):
 
     def on_command(self, message: JointReading) -> None:
         """In lockstep the second command of a stamp lets time go on."""
-        stamp, joint, effort = to_command(message)
+        commands, stamp = to_commands(message), message.stamp
         with self.lock:
-            taken = self.guard.command(joint, stamp, effort, self.now)
-            if taken:
+            if self.by_arrival and stamp:  # of the sender's clock; ours may lag behind it
+                stamp += self.now - self.get_clock().now().nanoseconds
+            taken = [self.guard.command(k, stamp, effort, self.now) for k, effort in commands]
+            if any(taken):
                 self.meter.answered(stamp)
-            if taken and self.lockstep and self.guard.both_at(self.now):
+            if any(taken) and self.lockstep and self.guard.both_at(self.now):
                 self.answered = time.monotonic()
                 self.advance(self.now + self.period, self.guard.decide(self.now))
 

@@ -234,8 +234,9 @@ def _joints(messages: Timed) -> np.ndarray:
     rows = {}
     for _, m in messages:
         order = [list(m.name).index(name) for name in JOINT_NAMES]
+        efforts = m.effort if len(m.effort) else np.full(len(m.name), np.nan)  # not measured
         rows[_stamp(m)] = np.concatenate(
-            [[_stamp(m)], *(values[order] for values in (m.position, m.velocity, m.effort))]
+            [[_stamp(m)], *(values[order] for values in (m.position, m.velocity, efforts))]
         )
     return np.array([rows[stamp] for stamp in sorted(rows)])
 
