@@ -126,6 +126,30 @@ def test_the_command_refuses_bad_input_and_leaves_nothing(tmp_path, domain):
     assert done.returncode == 2 and 'bad.yaml' in done.stderr
 
 
+def test_a_run_with_errors_of_the_hand_is_judged_by_the_true_object(tmp_path, domain):
+    """Whether it arrives is not told here, but that what is said of the end is true of it."""
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'run', '--pacing', 'lockstep', '--perturb', '2']
+        + [
+            '--seed',
+            '3',
+            '--rate',
+            '250',
+            '--backend',
+            'planar',
+            '--record',
+            str(tmp_path / 'bag'),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
+    assert done.returncode in (0, 1), done.stdout + done.stderr
+    run = read_runs(tmp_path / 'bag').runs[-1][2]
+    assert (done.returncode == 0) == run.judged.executed
+    assert abs(run.judged.gap) < 1e-4, 'judged with another outline than the true one'
+
+
 def test_the_command_lays_the_object_on_one_face_after_the_other(tmp_path, domain):
     command = ['run', 'asymmetric_hexagon', '--sequence', '5,1', '--pacing', 'lockstep']
     done = subprocess.run(

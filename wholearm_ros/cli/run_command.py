@@ -14,6 +14,7 @@ from wholearm_ros.cli.options import (
     BudgetOption,
     GoalEdgeOption,
     PacingOption,
+    PerturbOption,
     RateOption,
     SearchOption,
     SeedOption,
@@ -70,6 +71,7 @@ def run(
     view: ViewOption = False,
     rate: RateOption = 1000.0,
     backend: BackendOption = Backend(DEFAULT_BACKEND),
+    perturb: PerturbOption = 0.0,
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
@@ -125,6 +127,7 @@ def run(
         attempts=attempts,
         hardware=hardware,
         then=tuple(then),
+        perturb=perturb,
     )
     report = _run(asked, options)
     _print(report, options, str(path))
@@ -186,7 +189,8 @@ def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
     elif report.success:
         out.print(f'[bold green]success:[/] {_arrival(report)}')
     elif report.attempts:
-        reason = (judged.reason if judged else '') or report.result.get('reason', '')
+        truly = f' (truly: {judged.reason})' if judged and judged.reason else ''
+        reason = f'{report.result.get("reason", "")}{truly}'
         out.print(f'[bold red]not at the goal:[/] {escape(reason)}', soft_wrap=True)
     else:
         out.print(f'[bold red]not executed:[/] {escape(report.message)}', soft_wrap=True)

@@ -19,7 +19,7 @@ from wholearm_ros.model.choices import Pacing, Storage
 from wholearm_ros.model.modes import PLANNING
 from wholearm_ros.model.orientation import goal_rotation, start_rotation
 from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, SUCCEEDED
-from wholearm_ros.model.perturbation import NOMINAL
+from wholearm_ros.model.perturbation import NOMINAL, numbered_perturbation
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.request import PlanRequest
@@ -46,7 +46,7 @@ class RunOptions:
     rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
     when empty; time_budget: for planning [s]; hardware: whether the simulated hand is started, else
     another hand has to be there; then: faces to be reached after the scenario's goal, one after the
-    other, without a reset.
+    other, without a reset; perturb: level of the simulated hand's errors, those of number `seed`.
     """
 
     scenario: str
@@ -65,6 +65,11 @@ class RunOptions:
     time_budget: float = PlanRequest.time_budget
     hardware: bool = True
     then: tuple[int, ...] = ()
+    perturb: float = 0.0
+
+    def truth(self, scenario: Scenario) -> Scenario:
+        """The scenario as the simulated hand has it."""
+        return numbered_perturbation(self.perturb, self.seed, scenario).applied(scenario)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +129,8 @@ def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
             'backend': options.backend,
             'view': options.view,
             'motor_rate': options.rate,
+            'perturb': float(options.perturb),
+            'perturb_number': options.seed,
         }
     return {
         **nodes,
@@ -246,7 +253,7 @@ def _pursue(
         return RunReport(scenario, False, reason, latest.planner, reached, None, {}, times)
     judged = None
     if options.hardware:
-        judged = _judge(client, scenario, again or len(attempts) > 1)
+        judged = _judge(client, options.truth(scenario), again or len(attempts) > 1)
     return RunReport(
         scenario,
         True,
@@ -310,7 +317,8 @@ def attempt_line(place: int, attempt: dict[str, Any]) -> str:
 def _judge(client: Client, scenario: Scenario, several: bool) -> Outcome:
     """The object's true pose at the end against its goal.
 
-    several: whether there were several motions; then whole turns do not count.
+    scenario: with the true object; several: whether there were several motions; then whole turns do
+    not count.
     """
     reached = client.latest.reached
     times, poses = client.final_poses(int(reached.get('stamp') or 0), SLACK)
@@ -320,7 +328,8 @@ def _judge(client: Client, scenario: Scenario, several: bool) -> Outcome:
         wanted = goal_rotation(scenario) - poses[-1, 2]
     poses[:, 2] += 2 * np.pi * np.round(wanted / (2 * np.pi))
     nothing = np.zeros((len(times), 2))
-    reason = '' if reached.get('outcome') == SUCCEEDED else reached.get('reason', '')
+    ended = reached.get('outcome') == SUCCEEDED or bool(reached.get('claimed'))
+    reason = '' if ended else reached.get('reason', '')
     return outcome(
         scenario,
         RunRecord(

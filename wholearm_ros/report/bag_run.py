@@ -15,7 +15,7 @@ from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.model.modes import DONE, PLANNED_MODES, STOPPED
 from wholearm_ros.model.orientation import start_rotation
 from wholearm_ros.model.outcomes import SUCCEEDED
-from wholearm_ros.model.perturbation import NOMINAL
+from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
@@ -32,6 +32,7 @@ READ = (
     'mode_switcher/progress',
     'trajectory_generator/result',
     'contact_state_planner/status',
+    'diagnostics',
     'reorientation/feedback',
     'reorientation/result',
 )
@@ -163,7 +164,7 @@ def _view(
     modes = _modes(trajectory, times, STOPPED if reason and result else '', over - start)
     judged = None
     if known:
-        nothing = np.zeros_like(poses)
+        nothing, perturbation = np.zeros_like(poses), _perturbation(heard['diagnostics'])
         judged = outcome(
             plan.scenario,
             RunRecord(
@@ -175,8 +176,8 @@ def _view(
                 nothing,
                 modes,
                 reason,
-                plan.scenario,
-                NOMINAL,
+                perturbation.applied(plan.scenario),
+                perturbation,
             ),
         )
     return RunView(
@@ -191,6 +192,20 @@ def _view(
         _facts(path, heard, began, result),
         _estimates(heard['object_estimate'], stamps),
     )
+
+
+def _perturbation(messages: Timed) -> Perturbation:
+    """Of a simulated hand that tells it, else nominal: the truth by which a run is judged."""
+    for _, message in messages:
+        for status in message.status:
+            told = values_of(status).get('perturbation')
+            if told is None:
+                continue
+            try:
+                return Perturbation.from_dict(json.loads(told))
+            except (ValueError, TypeError):
+                return NOMINAL
+    return NOMINAL
 
 
 def _trajectory_start(heard: dict[str, Timed], began: float, over: float) -> float:
