@@ -29,7 +29,6 @@ CORE = [
     'pyyaml~=6.0',
     'matplotlib~=3.8',
     'pillow>=10.1',
-    'plotly>=6,<8',
     'typer~=0.12',
     'rich>=13,<16',
 ]

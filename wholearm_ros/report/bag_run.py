@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ READ = (
     'reorientation/feedback',
     'reorientation/result',
 )
+YEAR_2000 = 946_684_800 * 10**9  # [ns] log times before it are those of a clock that began at 0
 ESTIMATE_AGE = 0.1  # [s] up to which an estimate is shown
 SETTLE = 0.5  # [s] shown after the end
 RUNNING = ('quasi_static', 'dwell', 'dynamic', 'caging')
@@ -288,7 +290,11 @@ def _estimates(messages: Timed, stamps: np.ndarray) -> np.ndarray | None:
 def _facts(
     path: Path, heard: dict[str, Timed], began: tuple[int, float], result: dict[str, str]
 ) -> dict[str, Any]:
-    facts = {'source': f'bag {Path(path).name}'}
+    path = Path(path).absolute()
+    facts = {'source': path.name if path.name != 'bag' else f'{path.parent.name}/bag'}
+    if began[0] > YEAR_2000:
+        when = datetime.fromtimestamp(began[0] / NANOSECONDS, timezone.utc)
+        facts['recorded'] = when.strftime('%Y-%m-%d %H:%M:%S UTC')
     if result.get('claimed'):
         facts['claimed'] = f'{result["claimed"]}: {result.get("reason", "")}'
     for when, message in heard['contact_state_planner/status'][::-1]:
