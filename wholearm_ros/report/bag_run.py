@@ -293,8 +293,8 @@ def _facts(
     path = Path(path).absolute()
     facts = {'source': path.name if path.name != 'bag' else f'{path.parent.name}/bag'}
     if began[0] > YEAR_2000:
-        when = datetime.fromtimestamp(began[0] / NANOSECONDS, timezone.utc)
-        facts['recorded'] = when.strftime('%Y-%m-%d %H:%M:%S UTC')
+        date = datetime.fromtimestamp(began[0] / NANOSECONDS, timezone.utc)
+        facts['recorded'] = date.strftime('%Y-%m-%d %H:%M:%S UTC')
     if result.get('claimed'):
         facts['claimed'] = f'{result["claimed"]}: {result.get("reason", "")}'
     for when, message in heard['contact_state_planner/status'][::-1]:
