@@ -53,6 +53,7 @@ CONSOLE = [
 ]  # `wholearm console`
 TEST = [
     *CLUSTER,
+    *CONSOLE,
     'pytest>=8,<10',
     'pytest-timeout~=2.3',
     'pytest-xdist>=3.6,<4',

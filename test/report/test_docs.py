@@ -26,6 +26,7 @@ OWN = (
     'docs/your_polygon.md',
     'docs/your_hand.md',
     'docs/faces.md',
+    'docs/console.md',
     'docs/figures.md',
     'docs/performance.md',
     'bags/README.md',
@@ -36,6 +37,9 @@ OTHERS = ('docs/ros.md', 'docs/faults.md')  # written beside these; each may com
 
 # The graph at 250 Hz instead of 1000; a map of few places, each given up soon.
 SOONER = {'run': ['--rate', '250'], 'map': ['--range', '0', '--time-budget', '1']}
+
+
+LASTING = ('console',)  # until Ctrl-C: test/ros/test_console.py runs it
 
 
 def blocks(language: str):
@@ -131,7 +135,7 @@ def test_wholearm_commands_run_one_after_the_other(name, bag_mcap, tmp_path):
     for block in re.findall(r'```bash\n(.*?)```', (ROOT / name).read_text(), flags=re.S):
         for line in block.splitlines():
             words = shlex.split(line, comments=True)
-            if words[:1] == ['wholearm'] and '--scheduler' not in words:
+            if words[:1] == ['wholearm'] and words[1] not in LASTING and '--scheduler' not in words:
                 sooner = SOONER.get(words[1], [])
                 done = subprocess.run(
                     [sys.executable, '-m', 'wholearm_ros', *words[1:], *sooner],
