@@ -58,7 +58,7 @@ $(STAMP): setup.py pyproject.toml
 	echo "setting up $(VENV) with $$("$$python" --version) (once, a few minutes)"; \
 	[ -x $(PY) ] || "$$python" -m venv $${ROS_DISTRO:+--system-site-packages} $(VENV)
 	@# Where a ROS 2 is sourced, its own packages are used and the wheels of ROS stay out.
-	@$(PIP) -e ".[test,mujoco$$([ "$$ROS_DISTRO" ] || echo ,ros-wheels)]"
+	@$(PIP) -e ".[test,mujoco,console$$([ "$$ROS_DISTRO" ] || echo ,ros-wheels)]"
 	@# PyBullet has wheels up to Python 3.11; it is not compiled, MuJoCo takes its place.
 	@$(PIP) --only-binary pybullet -e '.[pybullet]' 2>/dev/null || \
 	  echo "pybullet has no wheel for this Python: MuJoCo is the default (to compile it: pip install pybullet)"

@@ -30,7 +30,6 @@ CORE = [
     'pyyaml~=6.0',
     'matplotlib~=3.8',
     'pillow>=10.1',
-    'plotly>=6,<8',
     'typer~=0.12',
     'rich>=13,<16',
 ]
@@ -48,6 +47,11 @@ ROS_WHEELS = [
 CLUSTER = [
     'distributed>=2024.1'
 ]  # `wholearm suite` on a Dask cluster; without it --jobs uses a plain pool of processes
+CONSOLE = [
+    'aiohttp>=3.10,<4',
+    'ezdxf~=1.3',  # outlines from DXF
+    'svgelements~=1.9',  # and from SVG
+]  # `wholearm console`
 TEST = [
     *CLUSTER,
     'pytest>=8,<10',
@@ -72,6 +76,7 @@ setup(
     python_requires='>=3.10,<3.14',
     packages=find_packages(exclude=['test', 'test.*']),
     package_data={
+        f'{NAME}.console': ['assets/*'],
         f'{NAME}.report.html': ['assets/*'],
         f'{NAME}.ros.interface': ['profiles/*.xml'],
     },
@@ -81,6 +86,7 @@ setup(
         'mujoco': MUJOCO,
         'ros-wheels': ROS_WHEELS,
         'cluster': CLUSTER,
+        'console': CONSOLE,
         'test': TEST,
     },
     data_files=[

@@ -139,7 +139,7 @@ def test_the_wheel_alone_plans_simulates_and_reports_from_another_directory(inst
     assert executed.returncode == 0, executed.stdout + executed.stderr
     reported = _run(tmp_path, installed / 'wholearm', 'report', 'run.json', '-o', 'report.html')
     assert reported.returncode == 0, reported.stdout + reported.stderr
-    assert (tmp_path / 'report.html').stat().st_size > 1_000_000
+    assert (tmp_path / 'report.html').stat().st_size > 100_000
 
 
 def _run(directory: Path, *command) -> subprocess.CompletedProcess:

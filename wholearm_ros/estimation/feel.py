@@ -3,14 +3,14 @@ be.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from wholearm_ros.estimation.hypotheses import alike, resting_hypotheses
-from wholearm_ros.estimation.squeeze import Prediction, Resting, SqueezeModel
+from wholearm_ros.estimation.squeeze import Resting, SqueezeModel
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.outcomes import LYING, NOTHING, UNKNOWN
 from wholearm_ros.model.probe import Probe
@@ -26,6 +26,8 @@ APART = 0.1
 FURTHEST_APART = 0.2  # [rad] by which the closing finger is then more open at most
 # [rad] by which the closing finger must have given way for the held one to be touching, too.
 PUSHED = 0.002
+CONTENDERS = 60.0  # log likelihood below the best from which a hypothesis is out of the question
+REFINEMENTS, SAME_OUTLINE = 3, 2e-5  # at most, and [m] between two outlines that end them
 FEWEST = 3  # such pairs from which something can be told
 AT_STOP = 0.03  # [rad] from its stop: the closing finger met nothing
 SAME_PLACE = 0.003  # [m] both fingers say the same x
@@ -137,19 +139,23 @@ class Feeler:
 
     def _candidates(self, held: int, pairs: np.ndarray, last: np.ndarray) -> tuple[Candidate, ...]:
         """One a class of edges that feel alike, the most probable first; `last` (2,) says x."""
-        found: list[tuple[Fit, tuple[int, ...]]] = []
-        for members in self.classes:
-            prediction = self.model.predict(self.hypotheses[members[0]], held, pairs[:, held])
-            fit = _fit(prediction, pairs[:, 1 - held], -CLOSING[1 - held])
-            found.append((fit, members))
-        found.sort(key=lambda one: -one[0].likelihood)
-        weights = np.exp([fit.likelihood - found[0][0].likelihood for fit, _ in found])
+        found = [
+            (first_explanation(self.model, self.hypotheses[members[0]], held, pairs), members)
+            for members in self.classes
+        ]
+        best = max(one.fit.likelihood for one, _ in found)
+        found = [
+            (refined(self.model, one, held, pairs), members)
+            if best - one.fit.likelihood < CONTENDERS
+            else (one, members)
+            for one, members in found
+        ]
+        found.sort(key=lambda pair: -pair[0].fit.likelihood)
+        weights = np.exp([one.fit.likelihood - found[0][0].fit.likelihood for one, _ in found])
         weights /= weights.sum()
         return tuple(
-            self._candidate(
-                fit, members, float(weight), self._x(self.hypotheses[members[0]], held, last)
-            )
-            for weight, (fit, members) in zip(weights, found)
+            self._candidate(one.fit, members, float(weight), _x(one, held, last))
+            for weight, (one, members) in zip(weights, found)
         )
 
     def _candidate(
@@ -159,54 +165,107 @@ class Feeler:
         segment = self.hypotheses[members[0]].segment
         return Candidate(edges, segment, *x, fit.residual, fit.misfit, probability)
 
-    def _x(self, resting: Resting, held: int, pair: np.ndarray) -> tuple[float, float]:
-        """(x [m], its standard deviation) where the fingers stand at last: the closing one touches,
-        the held one may not.
-        """
-        slides = [self.model.slide(resting, side, pair[side]) for side in (1 - held, held)]
-        centroids = [float(resting.pose_at(slide)[0]) for slide in slides]
-        if np.isnan(centroids).any():
-            return next((x for x in centroids if np.isfinite(x)), np.nan), np.nan
-        apart = abs(centroids[1] - centroids[0])
-        x = float(np.mean(centroids)) if apart < SAME_PLACE else centroids[0]
-        return x, VERTEX_DEVIATION + apart / 2
-
 
 def squeezed(probe: Probe, pairs: np.ndarray) -> np.ndarray:
-    """(k,) bool: pairs at which both fingers touch: the closing one gave way to the held one's last
-    move.
+    """(k,) bool: pairs at which both fingers touch: the closing one has given way to the held one's
+    moves.
 
     Where it did not, friction may hold the object away from the held finger.
     """
-    closing = pairs[:, probe.closing]
-    gave_way = -CLOSING[probe.closing] * np.diff(closing, prepend=closing[:1])
-    return gave_way > PUSHED
+    closing = -CLOSING[probe.closing] * pairs[:, probe.closing]
+    return closing - np.minimum.accumulate(closing) > PUSHED
 
 
-def _fit(prediction: Prediction, measured: np.ndarray, opening: float) -> Fit:
-    """Of the closing finger's angles measured (k,) [rad].
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """How an object that lies in one way, `resting` for the outline of `model`, explains the pairs
+    that were measured.
 
-    opening: sign in which its angle opens. The covariance has the outline's errors, which all pairs
-    share, the zeros of both encoders, and the readings' noise.
+    errors: (2n,) [m] by which its vertices are not those of the believed outline; next_errors:
+    (2n,) those that explain the pairs best, by the derivatives taken here.
     """
-    residuals, k = measured - prediction.angles, len(measured)
-    if not np.isfinite(residuals).all() or not np.isfinite(prediction.by_vertices).all():
-        return NO_FIT
-    held = prediction.by_held
+
+    model: SqueezeModel
+    resting: Resting
+    fit: Fit
+    errors: np.ndarray
+    next_errors: np.ndarray
+
+
+def first_explanation(
+    model: SqueezeModel, resting: Resting, held: int, pairs: np.ndarray
+) -> Explanation:
+    """By the believed outline, the derivatives taken there."""
+    errors = np.zeros(2 * len(model.scenario.object.polygon.vertices))
+    return _explanation(model, resting, errors, held, pairs)
+
+
+def refined(
+    believed: SqueezeModel, first: Explanation, held: int, pairs: np.ndarray
+) -> Explanation:
+    """With the derivatives taken at the outline that explains the pairs best, as in an iterated
+    Kalman update: where another vertex touches, those of the believed outline mislead.
+    """
+    one = first
+    for _ in range(REFINEMENTS):
+        if np.abs(one.next_errors - one.errors).max() < SAME_OUTLINE:
+            break
+        model = believed.displaced(one.next_errors)
+        if model is None:
+            break
+        resting = model.resting(first.resting.edge, first.resting.segment)
+        better = _explanation(model, resting, one.next_errors, held, pairs)
+        if better.fit is NO_FIT:
+            break
+        one = better
+    return replace(one, fit=one.fit._replace(residual=first.fit.residual))
+
+
+def _explanation(
+    model: SqueezeModel, resting: Resting, errors: np.ndarray, held: int, pairs: np.ndarray
+) -> Explanation:
+    """The covariance has the outline's errors, which all pairs share, the zeros of both encoders,
+    and the readings' noise.
+    """
+    prediction = model.predict(resting, held, pairs[:, held])
+    by_vertices, by_held, k = prediction.by_vertices, prediction.by_held, len(pairs)
+    innovations = pairs[:, 1 - held] - prediction.angles + by_vertices @ errors
+    if not np.isfinite(innovations).all():
+        return Explanation(model, resting, NO_FIT, errors, errors)
     covariance = (
-        VERTEX_DEVIATION**2 * prediction.by_vertices @ prediction.by_vertices.T
-        + OFFSET_DEVIATION**2 * (np.ones((k, k)) + np.outer(held, held))
-        + READING_DEVIATION**2 * np.diag(1.0 + held**2)
+        VERTEX_DEVIATION**2 * by_vertices @ by_vertices.T
+        + OFFSET_DEVIATION**2 * (np.ones((k, k)) + np.outer(by_held, by_held))
+        + READING_DEVIATION**2 * np.diag(1.0 + by_held**2)
     )
-    return _with_gaps(residuals, covariance, opening)
+    fit, touching = _with_gaps(innovations, covariance, -CLOSING[1 - held])
+    gain = np.linalg.solve(covariance[np.ix_(touching, touching)], innovations[touching])
+    likely = VERTEX_DEVIATION**2 * by_vertices[touching].T @ gain
+    return Explanation(model, resting, fit, errors, likely)
 
 
-def _with_gaps(residuals: np.ndarray, covariance: np.ndarray, opening: float) -> Fit:
-    """The same over all ways in which the object may have lain off the held finger at some of the
-    places, but FEWEST: there the closing finger is more open than predicted, anything up to
-    FURTHEST_APART. χ² and residual are those of the best way.
+def _x(one: Explanation, held: int, pair: np.ndarray) -> tuple[float, float]:
+    """(x [m], its standard deviation) where the fingers stand at last: the closing one touches, the
+    held one may not.
     """
-    k, best = len(residuals), Fit(-np.inf, np.inf, np.inf)
+    resting = one.resting
+    slides = [one.model.slide(resting, side, pair[side]) for side in (1 - held, held)]
+    centroids = [float(resting.pose_at(slide)[0]) for slide in slides]
+    if np.isnan(centroids).any():
+        return next((x for x in centroids if np.isfinite(x)), np.nan), np.nan
+    apart = abs(centroids[1] - centroids[0])
+    x = float(np.mean(centroids)) if apart < SAME_PLACE else centroids[0]
+    return x, VERTEX_DEVIATION + apart / 2
+
+
+def _with_gaps(
+    residuals: np.ndarray, covariance: np.ndarray, opening: float
+) -> tuple[Fit, np.ndarray]:
+    """Over all ways in which the object may have lain off the held finger at some of the places,
+    but FEWEST: there the closing finger is more open than predicted, anything up to
+    FURTHEST_APART. χ² and residual are those of the best way, and with them the places at which it
+    touched then.
+    """
+    k, best, touched = len(residuals), Fit(-np.inf, np.inf, np.inf), np.arange(len(residuals))
     densities = []
     apart = (opening * residuals > 0.0) & (opening * residuals < FURTHEST_APART)
     apart[-1] = False  # whatever happened before: this is where it lies now
@@ -221,8 +280,8 @@ def _with_gaps(residuals: np.ndarray, covariance: np.ndarray, opening: float) ->
         densities.append(density)
         if density > best.likelihood:
             rms = float(np.sqrt(np.mean(residuals[touching] ** 2)))
-            best = Fit(density, squares / len(touching), rms)
-    return best._replace(likelihood=float(np.logaddexp.reduce(densities)))
+            best, touched = Fit(density, squares / len(touching), rms), touching
+    return best._replace(likelihood=float(np.logaddexp.reduce(densities))), touched
 
 
 def _subsets(items: np.ndarray, most: int) -> Iterator[tuple[int, ...]]:

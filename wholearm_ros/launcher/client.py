@@ -13,6 +13,7 @@ from action_msgs.msg import GoalInfo
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.srv import SetParameters
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -28,6 +29,7 @@ from wholearm_ros.ros.interface.messages import (
     FEEL_GOAL,
     NO_GOAL,
     goal_message,
+    parameter_request,
     to_goal_id,
     to_nanoseconds,
     to_planar,
@@ -36,6 +38,7 @@ from wholearm_ros.ros.interface.messages import (
 from wholearm_ros.ros.interface.transport import choose_transport
 
 AFTER_THE_END = 2.0  # [s] in which a pose after the end of a run is waited for
+SUPERVISOR_PARAMETERS = channels.Service('reorientation/set_parameters', SetParameters)
 Values = dict[str, str]  # of a DiagnosticStatus
 
 
@@ -78,6 +81,7 @@ class Client:
     ) -> None:
         self.latest, self.watch, self._request_stamp = LatestMessages(), watch, ''
         self._reorient_id = ''
+        self._services: dict[str, Any] = {}
         choose_transport()
         self.context = rclpy.Context()
         rclpy.init(
@@ -208,6 +212,19 @@ class Client:
         self.node.destroy_client(client)
         return future.result()
 
+    def offered(self, service: channels.Service) -> bool:
+        """Whether somebody answers `service` now."""
+        return bool(self._kept(service).service_is_ready())
+
+    def ask(self, service: channels.Service, request: Any = None) -> Any:
+        """The future response of `service`, for those who cannot wait."""
+        return self._kept(service).call_async(request or service.type.Request())
+
+    def _kept(self, service: channels.Service) -> Any:
+        if service.name not in self._services:
+            self._services[service.name] = self.node.create_client(service.type, service.name)
+        return self._services[service.name]
+
     def send_goal(self, plan_id: str) -> None:
         """Asks the generator to execute a plan; raises MessageError when it is not a UUID."""
         self._send(to_goal_id(plan_id))
@@ -228,6 +245,12 @@ class Client:
         self._reorient_id, self._request_stamp = str(goal), str(to_nanoseconds(stamp))
         self._reorient.publish(goal_message(goal.bytes, stamp))
         return self._reorient_id
+
+    def tell_supervisor(self, scenario: str) -> Any:
+        """The future answer of the supervisor to a scenario, a document or a path; its next goal
+        is that scenario's.
+        """
+        return self.ask(SUPERVISOR_PARAMETERS, parameter_request('scenario', scenario))
 
     def cancel_reorientation(self) -> None:
         """Whatever the supervisor is doing."""

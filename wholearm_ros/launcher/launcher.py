@@ -5,22 +5,23 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Optional
 
 import numpy as np
 
-from wholearm_ros.launcher.client import Client, LatestMessages, Values
+from wholearm_ros.launcher.client import Client, GraphError, LatestMessages, Values
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Pacing, Storage
 from wholearm_ros.model.modes import PLANNING
 from wholearm_ros.model.orientation import goal_rotation, start_rotation
-from wholearm_ros.model.outcomes import SUCCEEDED
-from wholearm_ros.model.perturbation import NOMINAL
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, SUCCEEDED
+from wholearm_ros.model.perturbation import NOMINAL, numbered_perturbation
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
+from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.supervision import MAX_ATTEMPTS
 from wholearm_ros.ros.interface import channels
@@ -32,6 +33,7 @@ START_WITHIN = 300.0  # [s] the first time, everything is compiled
 # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 SLACK = 60.0
 LOCKSTEP_SLOWNESS = 60.0
+ANSWER_WITHIN = 30.0  # [s] of the supervisor to another scenario
 LONGEST_SILENCE = 30.0  # [s] of the supervisor while it executes
 # of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
 LOOP_PRIORITY = 20
@@ -43,7 +45,8 @@ class RunOptions:
 
     rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
     when empty; time_budget: for planning [s]; hardware: whether the simulated hand is started, else
-    another hand has to be there.
+    another hand has to be there; then: faces to be reached after the scenario's goal, one after the
+    other, without a reset; perturb: level of the simulated hand's errors, those of number `seed`.
     """
 
     scenario: str
@@ -61,6 +64,12 @@ class RunOptions:
     attempts: int = MAX_ATTEMPTS
     time_budget: float = PlanRequest.time_budget
     hardware: bool = True
+    then: tuple[int, ...] = ()
+    perturb: float = 0.0
+
+    def truth(self, scenario: Scenario) -> Scenario:
+        """The scenario as the simulated hand has it."""
+        return numbered_perturbation(self.perturb, self.seed, scenario).applied(scenario)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +80,11 @@ class RunReport:
     result: of the goal; judged: the object's pose against its goal, None when nothing was
     executed; modes: seconds in each, as planned; timings [s]: of start, planning and execution;
     attempts: in order, what was felt after each trajectory, and after a probe alone (planned:
-    False).
+    False); scenario: whose goal it was; before: reports of the goals before it in a sequence; left:
+    faces of the sequence that were not tried any more.
     """
 
+    scenario: Scenario
     planned: bool
     message: str
     planner: dict[str, str]
@@ -83,12 +94,19 @@ class RunReport:
     timings: dict[str, float]
     path_length: int = 0
     attempts: tuple[dict[str, Any], ...] = ()
+    before: 'tuple[RunReport, ...]' = ()
+    left: tuple[int, ...] = ()
+
+    @property
+    def reached(self) -> bool:
+        """Whether this goal succeeded, and the object rests at it where the truth is known."""
+        truly = self.judged is None or self.judged.executed
+        return self.planned and truly and self.result.get('outcome') == SUCCEEDED
 
     @property
     def success(self) -> bool:
-        """Whether the goal succeeded, and the object rests at it where the truth is known."""
-        truly = self.judged is None or self.judged.executed
-        return self.planned and truly and self.result.get('outcome') == SUCCEEDED
+        """Whether all goals were reached."""
+        return not self.left and all(one.reached for one in (*self.before, self))
 
 
 def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
@@ -111,6 +129,8 @@ def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
             'backend': options.backend,
             'view': options.view,
             'motor_rate': options.rate,
+            'perturb': float(options.perturb),
+            'perturb_number': options.seed,
         }
     return {
         **nodes,
@@ -179,22 +199,68 @@ def _plan_and_execute(
     client.wait_for_subscribers(START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),))
     client.wait_for_supervisor(START_WITHIN, all_recorded)
     clock.append(time.monotonic())
+    done: list[RunReport] = []
+    left, asked = list(options.then), scenario
+    while True:
+        report = _pursue(client, asked, options, tell, clock, again=bool(done))
+        done.append(report)
+        following = _from_felt(report) if left else None
+        if following is None:
+            return replace(report, before=tuple(done[:-1]), left=tuple(left))
+        asked = replace(following, goal=GoalOnEdge(left.pop(0)))
+        _configure(client, asked)
+        clock = [time.monotonic()] * 2
+
+
+def _configure(client: Client, scenario: Scenario) -> None:
+    """Make it the supervisor's scenario; raises GraphError when that refuses it."""
+    answer = client.tell_supervisor(json.dumps(scenario_to_dict(scenario)))
+    client.wait(answer.done, ANSWER_WITHIN, 'reorientation/set_parameters')
+    (result,) = answer.result().results
+    if not result.successful:
+        raise GraphError(f'reorientation refuses the scenario: {result.reason}')
+
+
+def _from_felt(report: RunReport) -> Scenario | None:
+    """The scenario with the start where the object was felt last; None when that is not known."""
+    edge, x = report.result.get('felt_edge'), report.result.get('felt_x')
+    if not edge or not x or report.result.get('claimed') not in (AT_GOAL, ELSEWHERE):
+        return None
+    return replace(report.scenario, start=StartOnEdge(int(edge), float(x)))
+
+
+def _pursue(
+    client: Client,
+    scenario: Scenario,
+    options: RunOptions,
+    tell: Tell,
+    clock: list[float],
+    again: bool,
+) -> RunReport:
+    """Until the supervisor has reached the scenario's goal, or given up.
+
+    clock: when the graph was begun and was ready [s]; again: whether the object was turned before.
+    """
     tell('planning')
     client.reorient()
     latest = client.latest
     planned_at = _follow(client, options, tell)
-    clock += [planned_at, time.monotonic()]
+    clock = [*clock, planned_at, time.monotonic()]
     reached = latest.reached
     attempts = tuple(json.loads(reached.get('tries') or '[]'))
     if not attempts:
-        reason = reached.get('reason', '')
-        return RunReport(False, reason, latest.planner, reached, None, {}, _timings(clock[:3]))
+        reason, times = reached.get('reason', ''), _timings(clock[:3])
+        return RunReport(scenario, False, reason, latest.planner, reached, None, {}, times)
+    judged = None
+    if options.hardware:
+        judged = _judge(client, options.truth(scenario), again or len(attempts) > 1)
     return RunReport(
+        scenario,
         True,
         latest.planner.get('message', ''),
         latest.planner,
         reached,
-        _judge(client, scenario, len(attempts)) if options.hardware else None,
+        judged,
         latest.trajectory.time_in_modes() if latest.trajectory else {},
         _timings(clock),
         len(latest.plan.path) if latest.plan else 0,
@@ -248,20 +314,22 @@ def attempt_line(place: int, attempt: dict[str, Any]) -> str:
     return f'{place}. {kind}: {attempt["claimed"] or attempt["outcome"]}: {attempt["reason"]}'
 
 
-def _judge(client: Client, scenario: Scenario, motions: int) -> Outcome:
+def _judge(client: Client, scenario: Scenario, several: bool) -> Outcome:
     """The object's true pose at the end against its goal.
 
-    Whole turns do not count where there were several motions.
+    scenario: with the true object; several: whether there were several motions; then whole turns do
+    not count.
     """
     reached = client.latest.reached
     times, poses = client.final_poses(int(reached.get('stamp') or 0), SLACK)
     poses[:, 2] = np.unwrap(poses[:, 2])
     wanted = start_rotation(scenario) - poses[0, 2]
-    if motions > 1:
+    if several:
         wanted = goal_rotation(scenario) - poses[-1, 2]
     poses[:, 2] += 2 * np.pi * np.round(wanted / (2 * np.pi))
     nothing = np.zeros((len(times), 2))
-    reason = '' if reached.get('outcome') == SUCCEEDED else reached.get('reason', '')
+    ended = reached.get('outcome') == SUCCEEDED or bool(reached.get('claimed'))
+    reason = '' if ended else reached.get('reason', '')
     return outcome(
         scenario,
         RunRecord(

@@ -1,5 +1,6 @@
 """The simulated hand as a node, in real time or in lockstep. Replace it with yours."""
 
+import json
 import sys
 import threading
 import time
@@ -12,10 +13,11 @@ from std_srvs.srv import Trigger
 
 from wholearm_ros.control.command_watchdog import BRAKE, STOPPED, ZERO_TORQUE, CommandWatchdog
 from wholearm_ros.control.periodic_timer import PeriodicTimer
-from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
 from wholearm_ros.model.choices import CommandStamps, Pacing, values
 from wholearm_ros.model.hand import SIDES
+from wholearm_ros.model.perturbation import numbered_perturbation
+from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import (
     COMMAND_TIMEOUT,
@@ -46,6 +48,14 @@ DECLARED = (
     PACING,
     Declared('backend', DEFAULT_BACKEND, 'the physics; planar is always there', choices=BACKENDS),
     Declared('view', False, "PyBullet's window, where there is a screen"),
+    Declared(
+        'perturb',
+        0.0,
+        'level of errors unknown to everybody else: mass, shape, friction, delay, torque, noise',
+        0.0,
+        10.0,
+    ),
+    Declared('perturb_number', 0, 'which of the draws at that level', 0, 1_000_000),
     Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
     Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),
     COMMAND_TIMEOUT,
@@ -91,8 +101,9 @@ class HandHardware(WholeArmNode):
                 'with its own stamps; allowed: answered'
             )
 
-        self.hand = make_hand(p.backend, self.scenario, rate=p.motor_rate, view=p.view)
-        self.start = start_configuration(self.scenario)
+        self.perturbation = numbered_perturbation(p.perturb, p.perturb_number, self.scenario)
+        self.hand = make_hand(p.backend, self.scenario, p.motor_rate, self.perturbation, p.view)
+        self.start = perturbed_start(self.scenario, self.hand.scenario)
         self.hand.step(np.zeros(2))  # whatever must be compiled is compiled now
         self.hand.reset(self.start)
         hand = self.scenario.hand
@@ -224,6 +235,7 @@ class HandHardware(WholeArmNode):
             'late commands': guard.late,
             'commands at the limit': guard.saturated,
             'watchdog trips': guard.trips,
+            channels.PERTURBATION: json.dumps(self.perturbation.to_dict()),
         }
         for side, taken, newest in zip(SIDES, guard.taken, guard.newest):
             values.update({f'{side} commands': taken, f'{side} newest': newest})

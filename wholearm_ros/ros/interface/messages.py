@@ -10,6 +10,8 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped, Quaternion
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
@@ -299,6 +301,12 @@ def status_message(
     return DiagnosticStatus(
         level=level, name=name, message=message, hardware_id='wholearm', values=pairs
     )
+
+
+def parameter_request(name: str, text: str) -> SetParameters.Request:
+    """Sets the parameter `name` of a node to a text."""
+    value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=text)
+    return SetParameters.Request(parameters=[Parameter(name=name, value=value)])
 
 
 def values_of(message: DiagnosticStatus) -> dict[str, str]:
