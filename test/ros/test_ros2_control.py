@@ -1,24 +1,33 @@
 """ros2_control in both directions: its drives as our hand, our stand-in as its robot. What stands
 for its nodes behaves as their sources say (`ros2_control_rig.py`)."""
 
+import json
 import subprocess
 import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 import ros2_control_rig
+import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
+from wholearm_ros import load_scenario
 from wholearm_ros.control.command_watchdog import BRAKE, DRIVEN, HOLD, STOPPED, ZERO_TORQUE
+from wholearm_ros.launcher.client import GraphError
+from wholearm_ros.model.hand import JOINT_NAMES
+from wholearm_ros.nodes.ros2_control_bridge import DECLARED
+from wholearm_ros.package_share import share_directory, shipped_scenarios
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.joint_state_serialization import reading_of
 from wholearm_ros.ros.interface.messages import effort_bytes, to_joints, values_of
+from wholearm_ros.ros.visualization.robot_description import topic_system, urdf
 
 pytestmark = pytest.mark.timeout(100)
 RIG = Path(ros2_control_rig.__file__)
@@ -168,3 +177,88 @@ def test_watchdog_stop_reset_and_states_that_end(robot, rig):
     graph.wait(lambda: int(health['silences']) == 1, 'silence')
     graph.wait(lambda: not any(commands[-1].data), 'zero torque')
     assert 'no joint states' in health['message'] and health['state'] == STOPPED
+
+
+def test_the_hand_feels_through_the_bridge(robot, rig):
+    """The whole loop but the planner; whether what is felt is right is a matter of the rate."""
+    graph, _, states = robot
+    graph.wait(lambda: states, 'the robot')
+    rig()
+    loop = {'probe': True, 'joint_states_timeout': 2.0, 'max_tracking_error': 3.0}
+    graph.start(
+        ('mode_switcher', 'velocity_controller', 'torque_controller', 'trajectory_generator'),
+        'realtime',
+        mode_switcher=loop,
+        velocity_controller=SOFT,
+        torque_controller={'motor_rate': RATE},
+    )
+    own = {**OURS, **PATIENT, **SOFT, 'states_timeout': 1.0}
+    graph.processes.start('ros2_control_bridge', own)
+    modes = graph.listen(channels.MODE)
+    graph.client.wait_for_subscribers(60.0, ((channels.JOINT_COMMANDS, 1), (channels.GOAL, 1)))
+    graph.client.wait_for_subscribers(60.0, ((channels.VELOCITY_SETPOINT, 1),))
+    graph.client.activate('ros2_control_bridge', 30.0)
+    graph.wait(lambda: graph.client.latest.progress.get('angles'), 'angles')
+    before = joints(states).angles
+    graph.client.feel()
+    moved = 0.0
+
+    def ended():
+        nonlocal moved
+        moved = max(moved, float(abs(joints(states).angles - before).max()))
+        return graph.client.latest.result
+
+    graph.wait(ended, 'result', 60.0)
+    assert 'probing' in [m.data for m in modes], graph.client.latest.result
+    assert moved > 0.05, 'the fingers were opened and closed'
+
+
+@pytest.mark.faults
+@pytest.mark.timeout(280)
+def test_the_command_runs_on_drives_under_ros2_control(robot, rig, tmp_path):
+    """Whether a real-time run on a loaded machine reaches its goal is for `benchmarks/bridge.py`."""
+    graph, _, states = robot
+    graph.wait(lambda: states, 'the robot')
+    rig()
+    params = tmp_path / 'drives.yaml'
+    own = {**OURS, **PATIENT, **SOFT, 'states_timeout': 1.0}
+    params.write_text(json.dumps({'/**/ros2_control_bridge': {'ros__parameters': own}}))
+    before = joints(states).angles
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'run', '--hardware', 'ros2_control']
+        + ['--params', params, '--rate', str(RATE), '--attempts', '1'],
+        capture_output=True,
+        text=True,
+        timeout=200,
+    )
+    told = done.stdout + done.stderr
+    assert done.returncode in (0, 1) and 'activating the motors' in told, told
+    assert '1. attempt' in told and 'failed:' not in told, told
+    graph.spin(0.5)
+    assert abs(joints(states).angles - before).max() > 0.2, 'the fingers were moved'
+
+
+def test_drives_that_are_not_there_are_said_to_be(graph):
+    graph.processes.start('ros2_control_bridge', {})
+    graph.client.wait_for_publishers(60.0, ((channels.JOINT_STATES, 1),))
+    graph.wait(lambda: graph.client.latest.told_by, 'diagnostics')
+    with pytest.raises(GraphError, match='not active after 2 s: no joint states on /joint_states'):
+        graph.client.activate('ros2_control_bridge', 2.0)
+
+
+def test_the_shipped_description_and_controllers_are_those_of_the_code():
+    config = share_directory() / 'config'
+    made = urdf(load_scenario('asymmetric_hexagon'), topic_system('/robot'))
+    assert (config / 'ros2_control.urdf').read_text() == made
+    system = ElementTree.fromstring(made).find('ros2_control')
+    assert [j.get('name') for j in system.findall('joint')] == list(JOINT_NAMES)
+    assert all(
+        [c.get('name') for c in j.findall('command_interface')] == ['effort']
+        for j in system.findall('joint')
+    )
+    told = yaml.safe_load((config / 'ros2_control.yaml').read_text())
+    bridge = told['/wholearm/ros2_control_bridge']['ros__parameters']
+    declared = {p.name: p.default for p in DECLARED}
+    assert bridge == {name: declared[name] for name in bridge}, 'as the defaults'
+    assert told['effort_controller']['ros__parameters']['joints'] == bridge['joints']
+    assert 'ros2_control' not in shipped_scenarios()
