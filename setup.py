@@ -13,6 +13,7 @@ NODES = [
     'velocity_controller',
     'torque_controller',
     'hand_hardware',
+    'ros2_control_bridge',
     'object_observer',
     'bag_recorder',
     'bag_player',

@@ -74,7 +74,7 @@ def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, 
 
 def test_the_regular_hexagon_at_1000_hz_on_the_planar_stand_in(config, domain):
     success, message, _, _ = lockstep(
-        config, 'regular_hexagon', backend='planar', seed=3, probe=False
+        config, 'regular_hexagon', hardware='planar', seed=3, probe=False
     )
     assert success, message
 

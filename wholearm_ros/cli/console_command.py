@@ -73,7 +73,7 @@ def console(
         str(path),
         pacing=pacing.value,
         rate=rate,
-        backend=backend.value,
+        hardware=backend.value,
         seed=seed,
         time_budget=time_budget,
     )

@@ -49,7 +49,7 @@ def feel(
     held = scenario_path(in_hand).absolute() if in_hand else path
     for name in (path, held):
         load_scenario(name)
-    options = RunOptions(str(path), pacing=pacing.value, rate=rate, backend=backend.value)
+    options = RunOptions(str(path), pacing=pacing.value, rate=rate, hardware=backend.value)
     with graph_at_work():
         told = feel_graph(options, str(held), lambda line: err.print(escape(line)))
     known = bool(told.get('felt_edge'))

@@ -28,7 +28,7 @@ from wholearm_ros.launcher.figures import figures_of, figures_without_a_plan
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, attempt_line, run_graph
 from wholearm_ros.launcher.live_view import view_on
 from wholearm_ros.model.backends import DEFAULT_BACKEND
-from wholearm_ros.model.choices import Backend, Pacing, Search, Storage, Transition
+from wholearm_ros.model.choices import Backend, Hardware, Pacing, Search, Storage, Transition
 from wholearm_ros.model.outcomes import AT_GOAL
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
@@ -86,9 +86,27 @@ def run(
         ),
     ] = MAX_ATTEMPTS,
     hardware: Annotated[
-        bool,
-        typer.Option(help='Start the simulated hand; --no-hardware: a hand of yours is there.'),
-    ] = True,
+        Hardware | None,
+        typer.Option(
+            '--hardware',
+            help='A simulated hand, by its physics; none: a hand of yours is there; ros2_control: '
+            'drives of yours under ros2_control, by our bridge.',
+            show_default=DEFAULT_BACKEND,
+        ),
+    ] = None,
+    no_hardware: Annotated[
+        bool, typer.Option('--no-hardware', help='The same as --hardware none.')
+    ] = False,
+    params: Annotated[
+        Path | None,
+        typer.Option(
+            '--params',
+            metavar='FILE',
+            exists=True,
+            dir_okay=False,
+            help='ROS parameter file for the nodes: joints of your drives, gains.',
+        ),
+    ] = None,
     network: Annotated[
         bool,
         typer.Option(
@@ -119,13 +137,13 @@ def run(
         storage=storage.value,
         view=view,
         rate=rate,
-        backend=backend.value,
         search=search.value,
         transition=transition.value,
         time_budget=time_budget,
         probe=probe,
         attempts=attempts,
-        hardware=hardware,
+        hardware=_hardware(hardware, no_hardware, backend),
+        params=params and params.absolute(),
         then=tuple(then),
         perturb=perturb,
     )
@@ -150,6 +168,13 @@ def _faces(sequence: str) -> list[int]:
         raise WholeArmError(
             f'--sequence {sequence!r}: allowed: numbers of edges with commas, as 3,5,0'
         ) from None
+
+
+def _hardware(asked: Hardware | None, none: bool, backend: Backend) -> str:
+    """What --hardware says; else what --no-hardware or --backend do."""
+    if asked is not None:
+        return asked.value
+    return Hardware.none.value if none else backend.value
 
 
 def _refuse_early(record: Path | None, figures: Path | None, view: bool) -> None:

@@ -56,7 +56,8 @@ class LoopMeasure:
 
     def told(self, signals: Signals, now: float) -> dict[str, Any]:
         """now [s]: on the machine's clock; age [s]: of the newest joint states."""
-        hand = signals.health.get('hand_hardware')
+        health = signals.health
+        hand = health.get('hand_hardware') or health.get('ros2_control_bridge')
         if hand and hand['values'].get('steps', '').isdecimal():
             self._count(hand['at'], int(hand['values']['steps']))
         values = hand['values'] if hand else {}

@@ -68,6 +68,11 @@ class CommandWatchdog:
         self.efforts[joint] = min(max(effort, -limit), limit)
         return True
 
+    @property
+    def driven(self) -> bool:
+        """Whether fresh commands drove in the last period."""
+        return self.state == DRIVEN
+
     def both_at(self, stamp: int) -> bool:
         """Whether the newest command of either joint is the one of `stamp` [ns]."""
         return self.newest[0] == self.newest[1] == stamp

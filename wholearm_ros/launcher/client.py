@@ -13,6 +13,8 @@ from action_msgs.msg import GoalInfo
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.srv import SetParameters
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -37,6 +39,7 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.transport import choose_transport
 
+BETWEEN_TRIES = 0.5  # [s] of an activation
 AFTER_THE_END = 2.0  # [s] in which a pose after the end of a run is waited for
 SUPERVISOR_PARAMETERS = channels.Service('reorientation/set_parameters', SetParameters)
 Values = dict[str, str]  # of a DiagnosticStatus
@@ -52,7 +55,8 @@ class LatestMessages:
 
     progress: of the mode switcher; feedback, result: of the generator; reorientation, reached:
     feedback and result of the supervisor; goal_listeners: to whom its goals for the generator go;
-    poses: stamp [ns] → (3,) [m, m, rad], all of them.
+    told_by: node → the message of its diagnostics; poses: stamp [ns] → (3,) [m, m, rad], all of
+    them.
     """
 
     plan: ContactPlan | None = None
@@ -67,6 +71,7 @@ class LatestMessages:
     reached: Values = field(default_factory=dict)
     reached_message: str = ''
     goal_listeners: int = 0
+    told_by: Values = field(default_factory=dict)
     poses: dict[int, np.ndarray] = field(default_factory=dict)
 
 
@@ -195,6 +200,28 @@ class Client:
         for topic, number in least:
             self.wait(partial(_at_least, count, topic.name, number), seconds, f'topic {topic.name}')
 
+    def activate(self, node: str, seconds: float) -> None:
+        """Configures and activates a managed node, which may refuse for a while. Raises GraphError,
+        with the node's reason, after `seconds`.
+        """
+        change = channels.Service(f'{node}/change_state', ChangeState)
+        configure, activate = (
+            ChangeState.Request(transition=Transition(id=number))
+            for number in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE)
+        )
+        deadline = time.monotonic() + seconds
+        self.call(change, seconds, configure)
+        while not self.call(change, seconds, activate).success:
+            if time.monotonic() > deadline:
+                reason = self.latest.told_by.get(f'{self.node.get_namespace()}/{node}', '')
+                raise GraphError(f'{node} is not active after {seconds:.0f} s: {reason}')
+            self.wait_a_little()
+
+    def wait_a_little(self) -> None:
+        """Between two tries."""
+        until = time.monotonic() + BETWEEN_TRIES
+        self.wait(lambda: time.monotonic() > until, 2 * BETWEEN_TRIES + 1.0, 'time')
+
     def wait_for_supervisor(self, seconds: float, recorded: bool = False) -> None:
         """Until it has found who shall receive its goals, the recorder included: what is published
         before that is lost to them. Raises GraphError after `seconds`.
@@ -320,6 +347,7 @@ class Client:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
+            self.latest.told_by[status.name] = status.message
             listeners = values_of(status).get(channels.GOAL_LISTENERS, '')
             if listeners.isdecimal():
                 self.latest.goal_listeners = int(listeners)

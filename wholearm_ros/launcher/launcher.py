@@ -14,8 +14,8 @@ import numpy as np
 
 from wholearm_ros.launcher.client import Client, GraphError, LatestMessages, Values
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
-from wholearm_ros.model.backends import DEFAULT_BACKEND
-from wholearm_ros.model.choices import Pacing, Storage
+from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
+from wholearm_ros.model.choices import Hardware, Pacing, Storage
 from wholearm_ros.model.modes import PLANNING
 from wholearm_ros.model.orientation import goal_rotation, start_rotation
 from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, SUCCEEDED
@@ -33,6 +33,8 @@ START_WITHIN = 300.0  # [s] the first time, everything is compiled
 # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 SLACK = 60.0
 LOCKSTEP_SLOWNESS = 60.0
+BRIDGE = 'ros2_control_bridge'
+ACTIVE_WITHIN = 20.0  # [s] once the graph is up: the broadcaster and the controller must be there
 ANSWER_WITHIN = 30.0  # [s] of the supervisor to another scenario
 LONGEST_SILENCE = 30.0  # [s] of the supervisor while it executes
 # of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
@@ -44,9 +46,10 @@ class RunOptions:
     """What `wholearm run` was told.
 
     rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
-    when empty; time_budget: for planning [s]; hardware: whether the simulated hand is started, else
-    another hand has to be there; then: faces to be reached after the scenario's goal, one after the
-    other, without a reset; perturb: level of the simulated hand's errors, those of number `seed`.
+    when empty; time_budget: for planning [s]; hardware: the physics of the simulated hand, none
+    where a hand is there, or ros2_control; params: a parameter file for every node; then: faces to
+    be reached after the scenario's goal, one after the other, without a reset; perturb: level of
+    the simulated hand's errors, those of number `seed`.
     """
 
     scenario: str
@@ -57,15 +60,20 @@ class RunOptions:
     topics: tuple[str, ...] = ()
     view: bool = False
     rate: float = 1000.0
-    backend: str = DEFAULT_BACKEND
+    hardware: str = DEFAULT_BACKEND
+    params: Optional[Path] = None
     search: str = PlanRequest.search
     transition: str = PlanRequest.transition
     probe: bool = True
     attempts: int = MAX_ATTEMPTS
     time_budget: float = PlanRequest.time_budget
-    hardware: bool = True
     then: tuple[int, ...] = ()
     perturb: float = 0.0
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the hand is ours, and the truth about the object is known."""
+        return self.hardware in BACKENDS
 
     def truth(self, scenario: Scenario) -> Scenario:
         """The scenario as the simulated hand has it."""
@@ -121,12 +129,14 @@ def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
             'priority': LOOP_PRIORITY,
             **({'topics': list(options.topics)} if options.topics else {}),
         }
-    if options.hardware:
+    if options.hardware == Hardware.ros2_control.value:
+        nodes[BRIDGE] = {**scenario, **loop}
+    if options.simulated:
         nodes['hand_hardware'] = {
             **scenario,
             **pacing,
             **loop,
-            'backend': options.backend,
+            'backend': options.hardware,
             'view': options.view,
             'motor_rate': options.rate,
             'perturb': float(options.perturb),
@@ -164,24 +174,27 @@ def run_graph(
 
     on_client_ready: is given the client before anything happens, to listen to more of the run.
     """
-    with running_graph(node_parameters(options), log_directory) as client:
+    with running_graph(node_parameters(options), log_directory, options.params) as client:
         on_client_ready(client)
         return _plan_and_execute(client, scenario, options, tell)
 
 
 @contextmanager
 def running_graph(
-    parameters: dict[str, dict[str, Any]], log_directory: Optional[Path] = None
+    parameters: dict[str, dict[str, Any]],
+    log_directory: Optional[Path] = None,
+    params: Optional[Path] = None,
 ) -> Iterator[Client]:
     """A client of the nodes that are named, each a process, until the context ends.
 
     parameters: by node, see `node_parameters`; log_directory: of their output, none is kept by
-    default. Raises DomainTaken at the start, NodeDied when a node ends while the client waits.
+    default; params: a parameter file for all of them, which `parameters` override. Raises
+    DomainTaken at the start, NodeDied when a node ends while the client waits.
     """
     with alone_in_domain(), tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
         with Processes(Path(log_directory or scratch)) as processes:
             for node, values in parameters.items():
-                processes.start(node, values)
+                processes.start(node, values, params=params)
             client = Client(watch=processes.check)
             try:
                 yield client
@@ -198,6 +211,9 @@ def _plan_and_execute(
     client.wait_for_graph(START_WITHIN, all_recorded)
     client.wait_for_subscribers(START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),))
     client.wait_for_supervisor(START_WITHIN, all_recorded)
+    if options.hardware == Hardware.ros2_control.value:
+        tell('activating the motors')
+        client.activate(BRIDGE, ACTIVE_WITHIN)
     clock.append(time.monotonic())
     done: list[RunReport] = []
     left, asked = list(options.then), scenario
@@ -252,7 +268,7 @@ def _pursue(
         reason, times = reached.get('reason', ''), _timings(clock[:3])
         return RunReport(scenario, False, reason, latest.planner, reached, None, {}, times)
     judged = None
-    if options.hardware:
+    if options.simulated:
         judged = _judge(client, options.truth(scenario), again or len(attempts) > 1)
     return RunReport(
         scenario,

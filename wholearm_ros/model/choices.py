@@ -31,6 +31,18 @@ class Backend(str, Enum):
     planar = 'planar'
 
 
+class Hardware(str, Enum):
+    """What the hand is: simulated by one of the backends, one that is there, or drives under
+    ros2_control.
+    """
+
+    pybullet = 'pybullet'
+    mujoco = 'mujoco'
+    planar = 'planar'
+    none = 'none'
+    ros2_control = 'ros2_control'
+
+
 class Pacing(str, Enum):
     """Clock of the ROS graph: the wall clock, or simulated time that waits for every command."""
 

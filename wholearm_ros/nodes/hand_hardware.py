@@ -19,7 +19,13 @@ from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.perturbation import numbered_perturbation
 from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.common_parameters import PACING, SCENARIO, scenario_of
+from wholearm_ros.ros.interface.common_parameters import (
+    COMMAND_TIMEOUT,
+    HOLD_TIME,
+    PACING,
+    SCENARIO,
+    scenario_of,
+)
 from wholearm_ros.ros.interface.frames import Frames
 from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, JointReading
 from wholearm_ros.ros.interface.messages import (
@@ -52,13 +58,7 @@ DECLARED = (
     Declared('perturb_number', 0, 'which of the draws at that level', 0, 1_000_000),
     Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
     Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),
-    Declared(
-        'command_timeout',
-        0.015,
-        'age of a command beyond which the drives hold the fingers; realtime [s]',
-        0.002,
-        1.0,
-    ),
+    COMMAND_TIMEOUT,
     Declared(
         'command_stamps',
         CommandStamps.answered.value,
@@ -69,9 +69,7 @@ DECLARED = (
     Declared(
         'stamp_tolerance', 0.1, 'of the stamps of commands that count on arrival [s]', 0.0, 10.0
     ),
-    Declared(
-        'hold_time', 0.5, 'of holding, after which their torque is zero; realtime [s]', 0.0, 60.0
-    ),
+    HOLD_TIME,
     Declared(
         'lockstep_timeout',
         10.0,

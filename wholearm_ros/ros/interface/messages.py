@@ -59,14 +59,15 @@ def joint_states_bytes(
     )
 
 
-def to_joints(message: JointReading) -> tuple[int, Joints]:
-    """Stamp [ns] and both joints, left then right, wherever among others they are in the message.
+def to_joints(message: JointReading, names: Sequence[str] = JOINT_NAMES) -> tuple[int, Joints]:
+    """Stamp [ns] and the joints of `names`, left then right, wherever among others they are in the
+    message.
 
     Efforts that are left out, or NaN, were not measured; that is how joint_state_broadcaster tells
     of drives without an effort interface. Angles and velocities that are not finite come through:
     it is for the mode switch to stop on them. Raises MessageError.
     """
-    places = places_of(JOINT_NAMES, message.name, 'joint_states')
+    places = places_of(names, message.name, 'joint_states')
     angles, velocities = (_column(message, field, places) for field in ('position', 'velocity'))
     efforts = _column(message, 'effort', places) if message.effort else np.full(2, np.nan)
     if np.isinf(efforts).any():
