@@ -45,7 +45,7 @@ class Console:
 
     def end(self):
         self.process.send_signal(signal.SIGINT)
-        return self.process.communicate(timeout=60)[0], self.process.returncode
+        return self.process.communicate(timeout=WAIT)[0], self.process.returncode
 
 
 class Page:
@@ -80,10 +80,20 @@ class Page:
 
 
 @asynccontextmanager
-async def page_of(console, **more):
-    async with aiohttp.ClientSession() as session:
+async def session_of(console):
+    """Of a browser that has shown the token, where there is one."""
+    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
+        if console.token:
+            async with session.post(f'{console.address}login', data=console.token) as answer:
+                assert answer.status == 200
+        yield session
+
+
+@asynccontextmanager
+async def page_of(console):
+    async with session_of(console) as session:
         headers = {'Origin': console.origin}
-        async with session.ws_connect(f'{console.address}live', headers=headers, **more) as ws:
+        async with session.ws_connect(f'{console.address}live', headers=headers) as ws:
             page = Page(ws)
             await page.until(lambda m: m['type'] == 'hello')
             yield page
@@ -101,6 +111,17 @@ def console(tmp_path_factory):
             console.end()
 
 
+@pytest.fixture(scope='module')
+def alone(tmp_path_factory):
+    """A console that waits for a graph that is not there: what needs none is quick on it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv('ROS_DOMAIN_ID', fresh_domain())
+        console = Console(tmp_path_factory.mktemp('alone'), '--join', '--token')
+        yield console
+        said, code = console.end()
+        assert code == 0 and 'Traceback' not in said and console.token not in said
+
+
 @pytest.fixture
 def listener(console):
     """A client of the same graph, which is not the console's."""
@@ -109,10 +130,10 @@ def listener(console):
     client.close()
 
 
-def test_the_page_is_whole_and_asks_nobody_else(console):
+def test_the_page_is_whole_and_asks_nobody_else(alone):
     async def look():
         async with aiohttp.ClientSession() as session:
-            async with session.get(console.address) as answer:
+            async with session.get(alone.address) as answer:
                 text = await answer.text()
                 assert answer.status == 200
                 assert "default-src 'self'" in answer.headers['Content-Security-Policy']
@@ -120,12 +141,12 @@ def test_the_page_is_whole_and_asks_nobody_else(console):
             named = re.findall(r'(?:src|href)="(assets/[^"]+)"', text)
             assert len(named) >= 9
             for name in named:
-                async with session.get(console.address + name) as answer:
+                async with session.get(alone.address + name) as answer:
                     assert answer.status == 200, name
                     found = await answer.text()
                     assert set(re.findall(r'https?://[\w.]+', found)) <= {'http://www.w3.org'}
             for name in ('assets/../server.py', 'assets/%2e%2e/server.py', 'assets/map.js'):
-                async with session.get(console.address + name) as answer:
+                async with session.get(alone.address + name) as answer:
                     assert answer.status == 404
 
     asyncio.run(look())
@@ -135,21 +156,21 @@ def test_the_page_is_whole_and_asks_nobody_else(console):
     'headers', [{'Origin': 'http://evil.example'}, {'Origin': 'null'}, {'Host': 'evil.example'}]
 )
 @pytest.mark.parametrize('path', ['', 'live', 'map', 'bags/one'])
-def test_a_foreign_origin_and_a_foreign_name_are_refused(console, headers, path):
+def test_a_foreign_origin_and_a_foreign_name_are_refused(alone, headers, path):
     async def look():
         async with aiohttp.ClientSession() as session:
-            async with session.get(console.address + path, headers=headers) as answer:
+            async with session.get(alone.address + path, headers=headers) as answer:
                 assert answer.status == 403
             if path == 'live':
                 with pytest.raises(aiohttp.WSServerHandshakeError):
-                    await session.ws_connect(console.address + path, headers=headers)
+                    await session.ws_connect(alone.address + path, headers=headers)
 
     asyncio.run(look())
 
 
-def test_what_is_malformed_is_answered_and_ends_nothing(console):
+def test_what_is_malformed_is_answered_and_ends_nothing(alone):
     async def throw():
-        async with page_of(console) as page:
+        async with page_of(alone) as page:
             bad = [
                 '',
                 '{',
@@ -176,23 +197,23 @@ def test_what_is_malformed_is_answered_and_ends_nothing(console):
                 more = {'turn': {'edge': 1}, 'load': {'scenario': {}}}.get(name, {})
                 answer = await page.ask(name, **more)
                 assert not answer['ok'] and 'no control' in answer['message']
-        async with page_of(console) as page:
+        async with page_of(alone) as page:
             await page.ws.send_str('x' * 600_000)
             with pytest.raises(TypeError):  # no text any more: the connection is closed
                 while True:
                     await page.message()
             assert page.ws.close_code == aiohttp.WSCloseCode.MESSAGE_TOO_BIG
-        async with page_of(console) as page:
+        async with page_of(alone) as page:
             assert (await page.ask('files'))['ok']
 
     asyncio.run(throw())
 
 
-def test_control_is_asked_for_taken_over_and_lost_with_the_page(console):
+def test_control_is_asked_for_taken_over_and_lost_with_the_page(alone):
     async def share():
-        async with page_of(console) as one:
+        async with page_of(alone) as one:
             assert (await one.ask('control', how='ask'))['ok']
-            async with page_of(console) as two:
+            async with page_of(alone) as two:
                 refused = await two.ask('control', how='ask')
                 assert not refused['ok'] and 'has control' in refused['message']
                 assert (await two.ask('control', how='take'))['ok']
@@ -202,6 +223,60 @@ def test_control_is_asked_for_taken_over_and_lost_with_the_page(console):
             await one.until(lambda m: m['type'] == 'control' and m['holder'] is None)
 
     asyncio.run(share())
+
+
+def test_a_token_is_asked_for_and_a_graph_that_is_not_there_is_not_stopped(alone):
+    async def look():
+        async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
+            for path in ('live', 'map', 'bags/x'):
+                async with session.get(alone.address + path) as answer:
+                    assert answer.status == 401
+            async with session.post(f'{alone.address}login', data='guess') as answer:
+                assert answer.status == 401 and not answer.cookies
+            async with session.post(f'{alone.address}login', data='x' * 10_000) as answer:
+                assert answer.status == 413
+            async with session.post(f'{alone.address}login', data=alone.token) as answer:
+                cookie = answer.cookies['wholearm_console']
+                assert answer.status == 200
+                assert cookie['httponly'] and cookie['samesite'] == 'Strict'
+        async with page_of(alone) as page:
+            graph = page.heard.get('graph') or await page.until(lambda m: m['type'] == 'graph')
+            assert graph['status'] == 'waiting' and graph['join']
+            answer = await page.ask('stop')
+            assert not answer['ok'] and 'emergency stop' in answer['message']
+
+    asyncio.run(look())
+
+
+def test_fifty_pages_and_one_that_never_reads_keep_nobody_from_an_answer(alone):
+    host, _, port = alone.address[7:-1].rpartition(':')
+    deaf = socket.create_connection((host, int(port)))
+
+    async def crowd():
+        async with session_of(alone) as session:
+            cookie = next(iter(session.cookie_jar))
+            deaf.sendall(
+                f'GET /live HTTP/1.1\r\nHost: {host}:{port}\r\nCookie: {cookie.key}={cookie.value}\r\n'
+                'Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n'
+                'Sec-WebSocket-Key: MTIzNDU2Nzg5MDEyMzQ1Ng==\r\n\r\n'.encode()
+            )
+            connect = lambda: session.ws_connect(f'{alone.address}live')
+            pages = await asyncio.gather(*(connect() for _ in range(50)))
+            async with page_of(alone) as page:
+                await page.until(lambda m: m['type'] == 'control' and m['pages'] >= 51)
+                assert 'emergency stop' in (await page.ask('stop'))['message']
+                assert (await page.ask('files'))['ok']
+            refused = 0
+            for _ in range(20):
+                try:
+                    pages.append(await connect())
+                except aiohttp.WSServerHandshakeError as error:
+                    refused += error.status == 503
+            assert refused >= 5
+            await asyncio.gather(*(one.close() for one in pages))
+
+    asyncio.run(crowd())
+    deaf.close()
 
 
 def test_turn_stop_by_a_page_that_looks_on_feel_and_turn_again(console, listener):
@@ -251,38 +326,9 @@ def test_the_drives_are_stopped_past_every_other_node(console, listener):
     asyncio.run(work())
 
 
-def test_fifty_pages_and_one_that_never_reads_keep_nobody_from_stopping(console):
-    host, port = console.address[7:-1].split(':')
-    key = 'GET /live HTTP/1.1\r\nHost: {0}:{1}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
-    key += 'Sec-WebSocket-Key: MTIzNDU2Nzg5MDEyMzQ1Ng==\r\nSec-WebSocket-Version: 13\r\n\r\n'
-    deaf = socket.create_connection((host, int(port)))
-    deaf.sendall(key.format(host, port).encode())
-
-    async def crowd():
-        async with aiohttp.ClientSession() as session:
-            pages = await asyncio.gather(
-                *(session.ws_connect(f'{console.address}live') for _ in range(50))
-            )
-            async with page_of(console) as page:
-                told = await page.until(lambda m: m['type'] == 'control' and m['pages'] >= 51)
-                assert told['pages'] <= 64
-                assert (await page.ask('stop'))['ok']
-            refused = 0
-            for _ in range(20):
-                try:
-                    pages.append(await session.ws_connect(f'{console.address}live'))
-                except aiohttp.WSServerHandshakeError as error:
-                    refused += error.status == 503
-            assert refused >= 5
-            await asyncio.gather(*(one.close() for one in pages))
-
-    asyncio.run(crowd())
-    deaf.close()
-
-
 def test_a_run_is_recorded_listed_replayed_and_reported(console):
     async def work():
-        async with page_of(console) as page, aiohttp.ClientSession() as session:
+        async with page_of(console) as page, session_of(console) as session:
             await page.ready()
             assert (await page.ask('control', how='ask'))['ok']
             assert (await page.ask('reset'))['ok']
@@ -327,34 +373,3 @@ def test_at_the_end_every_node_has_ended(console):
     said, code = console.end()
     assert code == 0 and 'every node has been stopped' in said
     assert 'Traceback' not in said
-
-
-def test_a_token_is_asked_for_and_a_graph_that_is_not_there_is_not_stopped(tmp_path, domain):
-    """Joined to nothing, reached by the token alone."""
-    console = Console(tmp_path, '--join', '--token')
-
-    async def look():
-        async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
-            for path in ('live', 'map', 'bags/x'):
-                async with session.get(console.address + path) as answer:
-                    assert answer.status == 401
-            async with session.post(f'{console.address}login', data='guess') as answer:
-                assert answer.status == 401 and not answer.cookies
-            async with session.post(f'{console.address}login', data='x' * 10_000) as answer:
-                assert answer.status == 413
-            async with session.post(f'{console.address}login', data=console.token) as answer:
-                cookie = answer.cookies['wholearm_console']
-                assert answer.status == 200
-                assert cookie['httponly'] and cookie['samesite'] == 'Strict'
-            async with session.ws_connect(f'{console.address}live') as ws:
-                page = Page(ws)
-                graph = await page.until(lambda m: m['type'] == 'graph')
-                assert graph['status'] == 'waiting' and graph['join']
-                answer = await page.ask('stop')
-                assert not answer['ok'] and 'emergency stop' in answer['message']
-
-    try:
-        asyncio.run(look())
-    finally:
-        said, code = console.end()
-    assert code == 0 and console.token not in said

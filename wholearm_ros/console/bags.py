@@ -7,9 +7,6 @@ from wholearm_ros.bag.reader import NANOSECONDS
 from wholearm_ros.console.recording import BAG
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.yaml_text import read_mapping
-from wholearm_ros.report.bag_run import read_bag
-from wholearm_ros.report.html.run_data import run_data
-from wholearm_ros.report.html.run_page import run_page
 
 MOST = 200  # bags that are listed, the newest
 
@@ -21,11 +18,17 @@ def listed(runs: Path) -> list[dict[str, Any]]:
 
 def replay(runs: Path, name: str) -> dict[str, Any]:
     """The last run in a bag, what the report's animation is given. Raises WholeArmError."""
+    from wholearm_ros.report.bag_run import read_bag  # with matplotlib, only when it is asked for
+    from wholearm_ros.report.html.run_data import run_data
+
     return run_data(*read_bag(_bag(runs, name)))
 
 
 def report(runs: Path, name: str) -> str:
     """The report of a bag, as HTML. Raises WholeArmError."""
+    from wholearm_ros.report.bag_run import read_bag
+    from wholearm_ros.report.html.run_page import run_page
+
     return run_page(*read_bag(_bag(runs, name)))
 
 

@@ -82,13 +82,26 @@ class Bench:
         self._again = True
         return ''
 
-    def record(self, on: bool) -> str:
-        """Begins or ends a bag; a line that says so. Raises WholeArmError."""
-        directory = self.recording.begin() if on else self.recording.end()
+    def record(self, on: bool, answer: Answer) -> None:
+        """Begins or ends a bag; the end is waited for in a thread of its own, a stop may come."""
+        directory, end = self.recording.directory, None
+        try:
+            if on:
+                directory = self.recording.begin()
+            else:
+                end = self.recording.released()
+        except WholeArmError as error:
+            answer(False, str(error))
+            return
         self.tell_recording()
-        if directory is None:
-            return 'nothing was recorded'
-        return f'{"recording into" if on else "recorded"} {directory}'
+
+        def finish() -> None:
+            if end is not None:
+                end()
+            told = f'{"recording into" if on else "recorded"} {directory}'
+            answer(directory is not None, told if directory else 'nothing was being recorded')
+
+        threading.Thread(target=finish, daemon=True).start()
 
     def tell_recording(self) -> None:
         """Whether a bag is being recorded, and where."""
@@ -131,7 +144,7 @@ class Bench:
         self.tell_recording()
         frames, looks = _Every(FRAME_PERIOD), _Every(LOOK_PERIOD)
         maps, loops = _Every(MAP_PERIOD), _Every(LOOP_PERIOD)
-        with self.recording, closing(watcher):
+        with self.recording, closing(watcher), closing(commands):
             while not (self._again or self._leaving):
                 client.executor.spin_once(timeout_sec=SPIN)
                 self._do_work()

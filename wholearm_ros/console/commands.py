@@ -62,6 +62,12 @@ class Commands:
             else:
                 self._asked.append(asked)
 
+    def close(self) -> None:
+        """The graph ends: what was asked is not answered any more."""
+        asked, self._asked = self._asked, []
+        for one in asked:
+            one.then(None)
+
     def stop(self, answer: Answer, drives: bool = False) -> None:
         """mode_switcher/stop, and where that does not answer at once, hand_hardware/stop; nothing
         that was asked for before goes on.

@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import sys
 import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ from wholearm_ros.console.server import Server
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.launcher import RunOptions
 from wholearm_ros.model.scenario import Scenario
+
+# [s] for which a thread that draws a report may keep a stop waiting
+SWITCH_INTERVAL = 0.001
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,7 @@ def serve(
     """Until SIGINT or SIGTERM; then what was started has ended. Raises WholeArmError when the port
     is taken. `tell` is given the page's address.
     """
+    sys.setswitchinterval(SWITCH_INTERVAL)
     asyncio.run(_serve(options, scenario, access, tell))
 
 

@@ -2,9 +2,10 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from wholearm_ros.console import bags, outline, outline_import
+from wholearm_ros.console import bags, outline
 from wholearm_ros.console.bench import Bench
 from wholearm_ros.console.control import Control
 from wholearm_ros.console.hub import Hub
@@ -27,6 +28,8 @@ from wholearm_ros.console.messages import (
 from wholearm_ros.console.messages import Control as Controlling
 from wholearm_ros.errors import WholeArmError
 
+# What takes a while, one after the other: figures are not made in two threads at once.
+SLOW = ThreadPoolExecutor(1, 'console_files')
 Reply = Callable[..., None]  # (success, one line, what else the page is told)
 
 
@@ -110,14 +113,7 @@ class Desk:
             )
             return
         on = message.on
-
-        def record() -> None:
-            try:
-                reply(True, bench.record(on))
-            except WholeArmError as error:
-                reply(False, str(error))
-
-        bench.submit(record)
+        bench.command(lambda _: bench.record(on, reply), reply)
 
     async def on_file(self, message: Any, reply: Reply) -> None:
         """What reads or writes files; the slow ones in a thread of their own."""
@@ -128,7 +124,7 @@ class Desk:
         elif isinstance(message, Save):
             reply(True, self.scenarios.save(message.name, message.scenario, message.replace))
         elif isinstance(message, Import):
-            points = await _aside(lambda: outline_import.imported(message.kind, message.text))
+            points = await _aside(lambda: _imported(message.kind, message.text))
             reply(True, f'{len(points)} vertices', vertices=points)
         elif isinstance(message, MakeMap):
             told = message.scenario
@@ -146,5 +142,11 @@ def _said(reply: Reply, refusal: str, done: str) -> None:
     reply(not refusal, refusal or done)
 
 
+def _imported(kind: str, text: str) -> list[list[float]]:
+    from wholearm_ros.console.outline_import import imported  # its parsers take a second to load
+
+    return imported(kind, text)
+
+
 def _aside(work: Callable[[], Any]) -> Awaitable[Any]:
-    return asyncio.get_running_loop().run_in_executor(None, work)
+    return asyncio.get_running_loop().run_in_executor(SLOW, work)

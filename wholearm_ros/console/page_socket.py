@@ -79,9 +79,11 @@ class PageSocket:
 async def _write(socket: web.WebSocketResponse, outbox: Outbox, request: web.Request) -> None:
     """A page that takes nothing for SEND_WITHIN, or falls behind by too much, is cut off."""
     try:
-        while not socket.closed and not outbox.overflown:
+        while not outbox.overflown:
             await asyncio.wait_for(socket.send_str(await outbox.next()), SEND_WITHIN)
-    except (asyncio.TimeoutError, ConnectionError):
+    except ConnectionError:
+        return  # it has gone
+    except asyncio.TimeoutError:
         pass
     if request.transport is not None:
         request.transport.abort()

@@ -1,5 +1,6 @@
 """A bag that is begun and ended from the page: a recorder beside the graph."""
 
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
@@ -11,7 +12,9 @@ BAG = 'bag'  # the directory of the bag in that of its run, as `make run` names 
 
 
 class Recording:
-    """A context that ends with the graph; runs: the directory of all runs."""
+    """A context that ends with the graph; runs: the directory of all runs; directory: of the bag
+    that is being recorded, None for none.
+    """
 
     def __init__(self, runs: Path) -> None:
         self.runs = runs
@@ -22,11 +25,12 @@ class Recording:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.end()
+        self.released()()
 
     def begin(self) -> Path:
         """The directory of the new bag; raises WholeArmError when it cannot be made."""
-        self.end()
+        if self.directory is not None:
+            raise WholeArmError(f'{self.directory} is being recorded; allowed: one at a time')
         run = self.runs / datetime.now().strftime('%Y-%m-%d_%H-%M-%S')
         try:
             run.mkdir(parents=True)
@@ -37,13 +41,10 @@ class Recording:
         self._recorder.start('bag_recorder', {'path': path, 'priority': LOOP_PRIORITY})
         return self.directory
 
-    def end(self) -> Path | None:
-        """The directory of the bag that was recorded until now, None when there was none."""
-        directory, recorder = self.directory, self._recorder
-        self.directory = self._recorder = None
-        if recorder is not None:
-            recorder.stop()
-        return directory
+    def released(self) -> Callable[[], None]:
+        """What ends the bag, which takes a while; nothing is being recorded any more."""
+        recorder, self._recorder, self.directory = self._recorder, None, None
+        return (lambda: None) if recorder is None else recorder.stop
 
     def check(self) -> None:
         """Raises NodeDied, once, when the recorder has ended by itself."""
@@ -52,5 +53,5 @@ class Recording:
         try:
             self._recorder.check()
         except NodeDied:
-            self.end()
+            self.released()()
             raise

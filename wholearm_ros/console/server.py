@@ -8,11 +8,11 @@ from aiohttp import web
 
 from wholearm_ros.console import bags
 from wholearm_ros.console.access import COOKIE, Access
-from wholearm_ros.console.desk import Desk
+from wholearm_ros.console.desk import SLOW, Desk
 from wholearm_ros.console.page_socket import PageSocket
 from wholearm_ros.errors import WholeArmError
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.map_store import MapStore
-from wholearm_ros.report.html.map_page import map_page
 from wholearm_ros.report.html.page import ASSETS as REPORT_ASSETS
 
 ASSETS = Path(__file__).parent / 'assets'
@@ -98,7 +98,7 @@ class Server:
     async def map(self, _: web.Request) -> web.Response:
         """The page of the face map, as far as it is made."""
         scenario = self.desk.bench.scenario
-        return await _made(lambda: map_page(scenario, MapStore(scenario).load()))
+        return await _made(lambda: _map_page(scenario))
 
     async def report(self, request: web.Request) -> web.Response:
         """The report of a bag."""
@@ -110,10 +110,16 @@ def _file(path: Path) -> web.Response:
     return web.Response(text=path.read_text(encoding='utf-8'), content_type=KINDS[path.suffix])
 
 
+def _map_page(scenario: Scenario) -> str:
+    from wholearm_ros.report.html.map_page import map_page  # with matplotlib, only when asked for
+
+    return map_page(scenario, MapStore(scenario).load())
+
+
 async def _made(make: Callable[[], str]) -> web.Response:
     """A page that takes a while, made in a thread of its own."""
     try:
-        text = await asyncio.get_running_loop().run_in_executor(None, make)
+        text = await asyncio.get_running_loop().run_in_executor(SLOW, make)
     except WholeArmError as error:
         return web.Response(text=str(error), status=404)
     headers = {'Content-Security-Policy': ALONE}

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from wholearm_ros.model.modes import PLANNED_MODES
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.map_store import MapStore
+from wholearm_ros.report.figures.outlines import touching
 from wholearm_ros.report.figures.palette import MODE_COLOURS, MODE_NAMES
 from wholearm_ros.report.html.scene import numbers, scene
 from wholearm_ros.ros.interface import channels
@@ -34,7 +36,8 @@ class Watcher:
     ) -> None:
         self._client, self._scenario, self._commands = client, scenario, commands
         self._publish, self._signals, self._loop = publish, Signals(client), LoopMeasure()
-        self._maps = MapStore(scenario)
+        self._maps, self._loading = MapStore(scenario), ThreadPoolExecutor(1, 'console_map')
+        self._found = self._loading.submit(self._maps.load)
         self._told: dict[str, Any] = {}  # the last message of each type
         self._result: Any = client.latest.result
         self._reached: Any = client.latest.reached
@@ -44,6 +47,7 @@ class Watcher:
 
     def close(self) -> None:
         """Before the client is closed."""
+        self._loading.shutdown(wait=False)
         self._signals.close()
 
     def missing(self) -> list[str]:
@@ -68,6 +72,7 @@ class Watcher:
     def show_scene(self) -> None:
         """The hand and the object, for as long as this graph runs."""
         where = start_configuration(self._scenario)
+        touching(self._scenario, where)  # compiled before anybody waits for a stop
         left, right = self._scenario.hand.left, self._scenario.hand.right
         self._publish(
             {
@@ -117,8 +122,13 @@ class Watcher:
             self._publish({'type': 'log', 'lines': lines})
 
     def look_at_map(self) -> None:
-        """The map on disk may have grown, and the object may lie elsewhere."""
-        found = self._maps.load()
+        """The map on disk may have grown, and the object may lie elsewhere; a large one is read in
+        a thread of its own.
+        """
+        if not self._found.done():
+            return
+        found = self._found.result()
+        self._found = self._loading.submit(self._maps.load)
         rows = faces(self._scenario, found, self._commands.place)
         self._tell({'type': 'faces', 'faces': rows, 'map': map_line(found)})
 

@@ -1,9 +1,10 @@
 // The page: what is heard goes to its place, what is pressed goes to the console, Stop before everything.
 const link = makeLink(), live = makeLive(choose), board = makeBoard(link), bags = makeBags(link);
-const me = {page: null, holder: null, chosen: null, status: '', graph: null, mode: '', names: {}, colours: {}};
+const me = {page: null, holder: null, chosen: null, status: '', graph: null, mode: '', stopped: -1e9, names: {}, colours: {}};
 const inControl = () => me.page !== null && me.holder === me.page;
 
 // ---- Stop: by pointer as soon as it is down, by the space bar wherever the focus is
+const AGAIN_WITHIN = 3000;  // [ms] after a stop, another one stops the drives
 async function stop(drives) {
   const began = performance.now(), text = byId('stop-text');
   text.className = '';
@@ -11,6 +12,7 @@ async function stop(drives) {
   const late = setTimeout(() => { text.className = 'bad'; text.textContent = 'No answer to Stop: use the emergency stop of the hand.'; }, 1000);
   const answer = await link.send({type: 'stop', drives});
   clearTimeout(late);
+  if (answer.ok) me.stopped = began;
   text.className = answer.ok ? 'good' : 'bad';
   text.textContent = answer.ok ? `${answer.message} (${(performance.now() - began).toFixed(0)} ms)`
     : answer.lost ? 'Stop did not reach the hand: use its emergency stop.' : answer.message;
@@ -23,7 +25,7 @@ for (const kind of ['keydown', 'keyup']) document.addEventListener(kind, event =
   if (event.code !== 'Space') return;
   event.preventDefault();
   event.stopPropagation();
-  if (kind === 'keydown' && !event.repeat) stop(me.mode === 'stopped');
+  if (kind === 'keydown' && !event.repeat) stop(performance.now() - me.stopped < AGAIN_WITHIN);
 }, true);
 
 // ---- a question that does not hold up the page: Stop works meanwhile
