@@ -14,6 +14,7 @@ from wholearm_ros.errors import WholeArmError
 
 COMMANDS = {
     'plan': 'Plan a scenario: contact states, the trajectory through them, verified.',
+    'advise': 'Find the smallest change that gives a scenario without a plan one.',
     'simulate': 'Execute a plan on a simulated hand, without ROS.',
     'map': 'Find out from which face to which an object can be turned, and how surely.',
     'suite': 'Plan and execute many scenarios, and count what reached its goal.',

@@ -74,6 +74,11 @@ def _survived(verified: Verification | None) -> str:
     return f'{told["survived"]} of {told["copies"]} simulated samples reach the goal'
 
 
+def advice_for(scenario: str) -> str:
+    """What to do next when the scenario of this name or file has no plan."""
+    return f'wholearm advise {scenario} looks for the smallest change that has a plan'
+
+
 def read_plan(name: str) -> tuple[ContactPlan, ManipulationTrajectory] | None:
     """The plan document in the file `name` with its trajectory; None when the file is no plan
     document.

@@ -22,7 +22,7 @@ from wholearm_ros.cli.options import (
     ViewOption,
 )
 from wholearm_ros.cli.output import finish, graph_at_work, out
-from wholearm_ros.cli.planning import load_asked
+from wholearm_ros.cli.planning import advice_for, load_asked
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.figures import figures_of, figures_without_a_plan
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, attempt_line, run_graph
@@ -222,6 +222,8 @@ def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
     _line('scenario', scenario)
     if report.planned:
         _line('plan', report.message.removeprefix('plan '))
+    elif not report.attempts:
+        _line('next', advice_for(scenario))
     _line('timings', _timings(report))
     if report.attempts:
         modes = [f'{mode} {seconds:.2f} s' for mode, seconds in report.modes.items() if seconds]

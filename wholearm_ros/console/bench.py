@@ -4,7 +4,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -131,12 +131,12 @@ class Bench:
         self.tell_recording()
         frames, looks = _Every(FRAME_PERIOD), _Every(LOOK_PERIOD)
         maps, loops = _Every(MAP_PERIOD), _Every(LOOP_PERIOD)
-        with self.recording:
+        with self.recording, closing(watcher):
             while not (self._again or self._leaving):
                 client.executor.spin_once(timeout_sec=SPIN)
                 self._do_work()
                 commands.tick()
-                if frames.due() and self.watched:
+                if frames.due():
                     watcher.show_frame()
                 if looks.due():
                     client.watch()

@@ -6,14 +6,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+from wholearm_ros.control.command_watchdog import STOPPED, ZERO_TORQUE
 from wholearm_ros.launcher.client import Client
+from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.ros.interface import channels
 
-STOP_WITHIN = 0.1  # [s] for the mode switcher; then the drives themselves are stopped
+STOP_WITHIN = 0.25  # [s] for the mode switcher; then the drives themselves are stopped
 ANSWER_WITHIN = 5.0  # [s] for any other service
+WAITING_FOR_RESET = (STOPPED, ZERO_TORQUE)
+RESET_FIRST = 'the drives take no command; allowed: Reset first'
+SAME_ANGLES = 0.02  # [rad]
 Answer = Callable[[bool, str], None]  # success, one line
 
 
@@ -30,12 +37,15 @@ class Commands:
     """Of the thread that owns the client, and never waiting.
 
     scenario: whose object is in the hand; place: where it lies as far as is known, None when it has
-    to be felt first; known_start: whether a reset puts it at its start, as a simulated hand's does.
+    to be felt first; known_start: whether a reset puts it at its start, as a simulated hand's does;
+    drives: their state as the hand reports it; angles: (2,) [rad] of the fingers now.
     """
 
     def __init__(self, client: Client, scenario: Scenario, known_start: bool) -> None:
         self.client, self.scenario, self.known_start = client, scenario, known_start
         self.place: StartOnEdge | None = None
+        self.drives = ''
+        self.angles: np.ndarray | None = None
         self._asked: list[_Asked] = []
         self._stops = 0
         self.at_the_start()
@@ -84,6 +94,9 @@ class Commands:
 
     def feel(self, answer: Answer) -> None:
         """Where the object lies; the result comes as the generator's."""
+        if self.drives in WAITING_FOR_RESET:
+            answer(False, RESET_FIRST)
+            return
         self.place = None
         self.client.feel()
         answer(True, 'feeling what lies in the hand')
@@ -96,7 +109,10 @@ class Commands:
 
     def turn(self, edge: int, answer: Answer) -> None:
         """Lay the object on `edge`, from where it is known to lie, else it is felt first."""
-        start = self.place or self._unknown_start()
+        if self.drives in WAITING_FOR_RESET:
+            answer(False, RESET_FIRST)
+            return
+        start = self._known_place() or self._unknown_start()
         asked = replace(self.scenario, start=start, goal=GoalOnEdge(edge))
         stops = self._stops
 
@@ -126,6 +142,13 @@ class Commands:
         start = self.scenario.start
         known = self.known_start and isinstance(start, StartOnEdge) and not start.felt
         self.place = start if known and isinstance(start, StartOnEdge) else None
+
+    def _known_place(self) -> StartOnEdge | None:
+        """The place, but for a start from which the fingers have moved: who knows what they did."""
+        if self.place is None or self.place != self.scenario.start or self.angles is None:
+            return self.place
+        moved = np.abs(self.angles - start_configuration(self.scenario)[3:]).max()
+        return self.place if moved < SAME_ANGLES else None
 
     def _unknown_start(self) -> StartOnEdge:
         start = self.scenario.start

@@ -24,6 +24,7 @@ def frame(
     stamp: int,
     joints: Joints,
     estimated: Estimated | None,
+    truth: np.ndarray | None,
 ) -> dict[str, Any]:
     """Of the joints at `stamp` [ns].
 
@@ -43,8 +44,8 @@ def frame(
         told |= {'e': numbers(TO_PAGE * pose, 2), 'd': numbers(TO_PAGE * deviations, 2)}
         points, normals = touching(scenario, np.concatenate([pose, joints.angles]))
         told['n'] = numbers(np.hstack([1e3 * points, normals]).ravel(), 2)
-    if latest.poses:
-        told['o'] = numbers(TO_PAGE * latest.poses[max(latest.poses)], 2)
+    if truth is not None:
+        told['o'] = numbers(TO_PAGE * truth, 2)
     planned = _planned(latest, stamp, joints)
     return told | {'g': planned} if planned else told
 

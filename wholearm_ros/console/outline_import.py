@@ -79,8 +79,8 @@ def _dxf(text: str) -> Iterator[np.ndarray]:
     for entity in space:
         if entity.dxftype() in CLOSED and edgesmith.is_closed_entity(entity):
             yield _flat(make_path(entity), scale)
-    joined = edgeminer.Deposit(list(edgesmith.edges_from_entities_2d(space)))
-    for chain in edgeminer.find_all_simple_chains(joined):
+    edges = list(edgesmith.edges_from_entities_2d(space))
+    for chain in edgeminer.find_all_simple_chains(edgeminer.Deposit(edges)) if edges else ():
         yield _flat(edgesmith.path2d_from_chain(chain), scale)
 
 

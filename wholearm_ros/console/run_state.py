@@ -39,9 +39,9 @@ def run_state(latest: LatestMessages, place: StartOnEdge | None) -> dict[str, An
             {'text': attempt_line(k, one), 'claimed': one['claimed']}
             for k, one in enumerate(tries, 1)
         ],
-        'reached': latest.reached_message,
+        'reached': latest.reached_message if reached else '',
         'outcome': reached.get('outcome', ''),
-        'felt': latest.result_message,
+        'felt': latest.result_message if latest.result else '',
         'planner': latest.planner.get('message', ''),
         'place': None if place is None else {'edge': place.edge, 'x': round(1e3 * place.x, 1)},
     }
@@ -63,7 +63,7 @@ class LoopMeasure:
         values = hand['values'] if hand else {}
         return {
             'type': 'loop',
-            'age': round(now - signals.joints_at, 2) if signals.joints else None,
+            'age': None if signals.joints_at is None else round(now - signals.joints_at, 2),
             'drives': values.get('state', ''),
             'rate': self._rate,
             'figures': {name: values[name] for name in LOOP if name in values},

@@ -21,6 +21,8 @@ from wholearm_ros.report.figures.palette import MODE_COLOURS, MODE_NAMES
 from wholearm_ros.report.html.scene import numbers, scene
 from wholearm_ros.ros.interface import channels
 
+# [rad] to which both fingers may open or close and be seen whole
+SEEN = ((0.75 * np.pi, 0.25 * np.pi), (0.5 * np.pi, 0.5 * np.pi))
 Publish = Callable[[dict[str, Any]], None]
 
 
@@ -31,20 +33,24 @@ class Watcher:
         self, client: Client, scenario: Scenario, commands: Commands, publish: Publish
     ) -> None:
         self._client, self._scenario, self._commands = client, scenario, commands
-        self._publish, self._signals, self._loop = publish, Signals(), LoopMeasure()
+        self._publish, self._signals, self._loop = publish, Signals(client), LoopMeasure()
         self._maps = MapStore(scenario)
         self._told: dict[str, Any] = {}  # the last message of each type
         self._result: Any = client.latest.result
         self._reached: Any = client.latest.reached
         self._first_stamp: int | None = None
         self._shown_stamp = -1
-        self._signals.listen(client)
+        client.leave_truth_alone()
+
+    def close(self) -> None:
+        """Before the client is closed."""
+        self._signals.close()
 
     def missing(self) -> list[str]:
         """What the graph still lacks for commands, in words."""
         client, needed = self._client, []
         for name, there in (
-            ('joint states of the hand', self._signals.joints is not None),
+            ('joint states of the hand', self._signals.joints_at is not None),
             ('mode switcher', client.offered(channels.STOP)),
             ('reset of the hand', client.offered(channels.RESET)),
             ('planner (the first time it compiles)', client.offered(channels.PLAN_SCENARIO)),
@@ -63,12 +69,10 @@ class Watcher:
         """The hand and the object, for as long as this graph runs."""
         where = start_configuration(self._scenario)
         left, right = self._scenario.hand.left, self._scenario.hand.right
-        limits = np.array([left.angle_limits, right.angle_limits])
-        swept = np.array([[a, b] for a in limits[0] for b in limits[1]] + [[np.pi / 2] * 2])
         self._publish(
             {
                 'type': 'scene',
-                'scene': scene(self._scenario, where[None, :3], swept),
+                'scene': scene(self._scenario, where[None, :3], np.array([where[3:], *SEEN])),
                 'pose': numbers(where[:3] * [1e3, 1e3, 180.0 / np.pi], 2),
                 'angles': numbers(np.degrees(where[3:]), 2),
                 'scenario': scenario_to_dict(self._scenario),
@@ -81,24 +85,23 @@ class Watcher:
 
     def show_frame(self) -> None:
         """The newest joints, unless they were shown already."""
-        now, latest = self._signals.joints_now(), self._client.latest
-        if latest.poses:  # of the truth the newest is enough
-            newest = max(latest.poses)
-            latest.poses = {newest: latest.poses[newest]}
+        now, signals = self._signals.joints(), self._signals
         if now is None or now[0] == self._shown_stamp:
             return
         stamp, joints = now
         if self._first_stamp is None:
             self._first_stamp = stamp
         if stamp < self._shown_stamp:  # the hand has begun anew, and so has its clock
-            self._first_stamp, latest.poses = stamp, {}
-        self._shown_stamp = stamp
-        estimated = self._signals.estimate_now()
-        self._publish(frame(self._scenario, latest, stamp, joints, estimated))
+            self._first_stamp = stamp
+        self._shown_stamp, self._commands.angles = stamp, joints.angles
+        told = self._client.latest, stamp, joints, signals.estimate(), signals.truth()
+        self._publish(frame(self._scenario, *told))
 
     def look(self) -> None:
         """At what has changed; results say where the object lies."""
         latest, commands = self._client.latest, self._commands
+        hand = self._signals.health.get('hand_hardware')
+        commands.drives = hand['values'].get('state', '') if hand else ''
         if latest.mode in PLANNED_MODES:
             commands.place = None
         if latest.result is not self._result:

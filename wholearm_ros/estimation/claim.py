@@ -148,9 +148,10 @@ def reported_claim(
     probe: Probe | None,
     said: dict[str, str],
     tracked: bool,
+    before: Felt | None = None,
 ) -> Claim:
     """The claim from what the mode switcher says after a probe: texts `pairs` (JSON) and
-    `interrupted`.
+    `interrupted`; before: see `Feeler.feel`.
     """
     try:
         pairs = np.array(json.loads(said.get('pairs') or '[]'), float).reshape(-1, 2)
@@ -160,7 +161,7 @@ def reported_claim(
         return Claim(
             UNVERIFIED, 'unverified: the trajectory was led to its end, and no probe was made'
         )
-    felt = feeler.feel(probe, pairs, said.get('interrupted', ''))
+    felt = feeler.feel(probe, pairs, said.get('interrupted', ''), before)
     return claim(feeler, scenario, felt, tracked)
 
 

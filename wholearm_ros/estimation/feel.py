@@ -29,10 +29,23 @@ PUSHED = 0.002
 CONTENDERS = 60.0  # log likelihood below the best from which a hypothesis is out of the question
 REFINEMENTS, SAME_OUTLINE = 3, 2e-5  # at most, and [m] between two outlines that end them
 FEWEST = 3  # such pairs from which something can be told
+MOST_APART = 4  # places at which the object may have lain off the held finger
 AT_STOP = 0.03  # [rad] from its stop: the closing finger met nothing
 SAME_PLACE = 0.003  # [m] both fingers say the same x
 
 Pair = tuple[float, float]  # angles [rad], left then right
+
+
+class Squeezes(NamedTuple):
+    """What a probe measured where both fingers touched: held, LEFT or RIGHT; pairs (k, 2) [rad]."""
+
+    held: int
+    pairs: np.ndarray
+
+    @property
+    def closing(self) -> int:
+        """LEFT or RIGHT: the other finger."""
+        return 1 - self.held
 
 
 class Fit(NamedTuple):
@@ -73,13 +86,15 @@ class Candidate:
 @dataclass(frozen=True)
 class Felt:
     """kind: 'lying' on the first candidate's edge (surely), 'nothing' in the hand, or 'unknown';
-    candidates, the most probable first; reason: why unknown; pairs: what the fingers measured.
+    candidates, the most probable first; reason: why unknown; pairs: what the fingers measured, and
+    squeezes: those of them that tell something.
     """
 
     kind: str
     candidates: tuple[Candidate, ...] = ()
     reason: str = ''
     pairs: tuple[Pair, ...] = field(default=(), repr=False)
+    squeezes: Squeezes | None = field(default=None, repr=False, compare=False)
 
     @property
     def best(self) -> Candidate:
@@ -119,9 +134,17 @@ class Feeler:
         """Whether some edges of the object feel alike."""
         return any(len(members) > 1 for members in self.classes)
 
-    def feel(self, probe: Probe, pairs: np.ndarray, interrupted: str = '') -> Felt:
-        """What the pairs (k, 2) [rad], left then right, of a probe of k places say; interrupted:
-        why the probe ended early, if it did.
+    def feel(
+        self,
+        probe: Probe,
+        pairs: np.ndarray,
+        interrupted: str = '',
+        before: Felt | None = None,
+    ) -> Felt:
+        """What the pairs (k, 2) [rad], left then right, of a probe of k places say.
+
+        interrupted: why the probe ended early, if it did; before: of another probe of the object
+        since it came to lie there; where neither says enough, both together may.
         """
         pairs = np.asarray(pairs, float).reshape(-1, 2)
         told = tuple((left, right) for left, right in pairs.tolist())
@@ -132,20 +155,29 @@ class Feeler:
             return Felt(NOTHING, pairs=told)
         both = squeezed(probe, pairs)
         both[-1] = True
-        if both.sum() < FEWEST:
-            reason = f'the fingers squeezed something at {both.sum()} places; needed: {FEWEST}'
-            return Felt(UNKNOWN, reason=reason, pairs=told)
-        return _verdict(self._candidates(probe.held, pairs[both], pairs[-1]), told)
+        squeezes = Squeezes(probe.held, pairs[both])
+        felt = self._felt((squeezes,))
+        if felt.kind == UNKNOWN and before is not None and before.kind == UNKNOWN:
+            known = before.squeezes and self._felt((before.squeezes, squeezes))
+            felt = known if known and known.kind == LYING else felt
+        return replace(felt, pairs=told, squeezes=squeezes)
 
-    def _candidates(self, held: int, pairs: np.ndarray, last: np.ndarray) -> tuple[Candidate, ...]:
-        """One a class of edges that feel alike, the most probable first; `last` (2,) says x."""
+    def _felt(self, measured: tuple[Squeezes, ...]) -> Felt:
+        count = sum(len(squeezes.pairs) for squeezes in measured)
+        if count < FEWEST:
+            reason = f'the fingers squeezed something at {count} places; needed: {FEWEST}'
+            return Felt(UNKNOWN, reason=reason)
+        return _verdict(self._candidates(measured))
+
+    def _candidates(self, measured: tuple[Squeezes, ...]) -> tuple[Candidate, ...]:
+        """One a class of edges that feel alike, the most probable first."""
         found = [
-            (first_explanation(self.model, self.hypotheses[members[0]], held, pairs), members)
+            (first_explanation(self.model, self.hypotheses[members[0]], measured), members)
             for members in self.classes
         ]
         best = max(one.fit.likelihood for one, _ in found)
         found = [
-            (refined(self.model, one, held, pairs), members)
+            (refined(self.model, one, measured), members)
             if best - one.fit.likelihood < CONTENDERS
             else (one, members)
             for one, members in found
@@ -154,7 +186,7 @@ class Feeler:
         weights = np.exp([one.fit.likelihood - found[0][0].fit.likelihood for one, _ in found])
         weights /= weights.sum()
         return tuple(
-            self._candidate(one.fit, members, float(weight), _x(one, held, last))
+            self._candidate(one.fit, members, float(weight), _x(one, measured[-1]))
             for weight, (one, members) in zip(weights, found)
         )
 
@@ -193,15 +225,15 @@ class Explanation:
 
 
 def first_explanation(
-    model: SqueezeModel, resting: Resting, held: int, pairs: np.ndarray
+    model: SqueezeModel, resting: Resting, measured: tuple[Squeezes, ...]
 ) -> Explanation:
     """By the believed outline, the derivatives taken there."""
     errors = np.zeros(2 * len(model.scenario.object.polygon.vertices))
-    return _explanation(model, resting, errors, held, pairs)
+    return _explanation(model, resting, errors, measured)
 
 
 def refined(
-    believed: SqueezeModel, first: Explanation, held: int, pairs: np.ndarray
+    believed: SqueezeModel, first: Explanation, measured: tuple[Squeezes, ...]
 ) -> Explanation:
     """With the derivatives taken at the outline that explains the pairs best, as in an iterated
     Kalman update: where another vertex touches, those of the believed outline mislead.
@@ -214,7 +246,7 @@ def refined(
         if model is None:
             break
         resting = model.resting(first.resting.edge, first.resting.segment)
-        better = _explanation(model, resting, one.next_errors, held, pairs)
+        better = _explanation(model, resting, one.next_errors, measured)
         if better.fit is NO_FIT:
             break
         one = better
@@ -222,33 +254,44 @@ def refined(
 
 
 def _explanation(
-    model: SqueezeModel, resting: Resting, errors: np.ndarray, held: int, pairs: np.ndarray
+    model: SqueezeModel, resting: Resting, errors: np.ndarray, measured: tuple[Squeezes, ...]
 ) -> Explanation:
-    """The covariance has the outline's errors, which all pairs share, the zeros of both encoders,
-    and the readings' noise.
+    """The covariance has the outline's errors and the zeros of both encoders, which all pairs
+    share, and the readings' noise.
     """
-    prediction = model.predict(resting, held, pairs[:, held])
-    by_vertices, by_held, k = prediction.by_vertices, prediction.by_held, len(pairs)
-    innovations = pairs[:, 1 - held] - prediction.angles + by_vertices @ errors
-    if not np.isfinite(innovations).all():
+    innovations, by_vertices, by_zeros, by_held, openings = [], [], [], [], []
+    for held, pairs in measured:
+        prediction = model.predict(resting, held, pairs[:, held])
+        innovations.append(pairs[:, 1 - held] - prediction.angles + prediction.by_vertices @ errors)
+        by_vertices.append(prediction.by_vertices)
+        by_held.append(prediction.by_held)
+        zeros = np.ones((len(pairs), 2))
+        zeros[:, held] = -prediction.by_held
+        by_zeros.append(zeros)
+        opening = np.full(len(pairs), -float(CLOSING[1 - held]))
+        opening[-1] = 0.0  # whatever happened before: this is where it lies now
+        openings.append(opening)
+    innovation, outline = np.concatenate(innovations), np.vstack(by_vertices)
+    if not np.isfinite(innovation).all() or not np.isfinite(outline).all():
         return Explanation(model, resting, NO_FIT, errors, errors)
+    zeros = np.vstack(by_zeros)
     covariance = (
-        VERTEX_DEVIATION**2 * by_vertices @ by_vertices.T
-        + OFFSET_DEVIATION**2 * (np.ones((k, k)) + np.outer(by_held, by_held))
-        + READING_DEVIATION**2 * np.diag(1.0 + by_held**2)
+        VERTEX_DEVIATION**2 * outline @ outline.T
+        + OFFSET_DEVIATION**2 * zeros @ zeros.T
+        + READING_DEVIATION**2 * np.diag(1.0 + np.concatenate(by_held) ** 2)
     )
-    fit, touching = _with_gaps(innovations, covariance, -CLOSING[1 - held])
-    gain = np.linalg.solve(covariance[np.ix_(touching, touching)], innovations[touching])
-    likely = VERTEX_DEVIATION**2 * by_vertices[touching].T @ gain
+    fit, touching = _with_gaps(innovation, covariance, np.concatenate(openings))
+    gain = np.linalg.solve(covariance[np.ix_(touching, touching)], innovation[touching])
+    likely = VERTEX_DEVIATION**2 * outline[touching].T @ gain
     return Explanation(model, resting, fit, errors, likely)
 
 
-def _x(one: Explanation, held: int, pair: np.ndarray) -> tuple[float, float]:
+def _x(one: Explanation, last: Squeezes) -> tuple[float, float]:
     """(x [m], its standard deviation) where the fingers stand at last: the closing one touches, the
     held one may not.
     """
-    resting = one.resting
-    slides = [one.model.slide(resting, side, pair[side]) for side in (1 - held, held)]
+    resting, pair = one.resting, last.pairs[-1]
+    slides = [one.model.slide(resting, side, pair[side]) for side in (last.closing, last.held)]
     centroids = [float(resting.pose_at(slide)[0]) for slide in slides]
     if np.isnan(centroids).any():
         return next((x for x in centroids if np.isfinite(x)), np.nan), np.nan
@@ -258,18 +301,17 @@ def _x(one: Explanation, held: int, pair: np.ndarray) -> tuple[float, float]:
 
 
 def _with_gaps(
-    residuals: np.ndarray, covariance: np.ndarray, opening: float
+    residuals: np.ndarray, covariance: np.ndarray, opening: np.ndarray
 ) -> tuple[Fit, np.ndarray]:
     """Over all ways in which the object may have lain off the held finger at some of the places,
     but FEWEST: there the closing finger is more open than predicted, anything up to
-    FURTHEST_APART. χ² and residual are those of the best way, and with them the places at which it
-    touched then.
+    FURTHEST_APART. opening (k,): sign in which its angle opens, 0 where it surely touched. χ² and
+    residual are those of the best way, and with them the places at which it touched then.
     """
     k, best, touched = len(residuals), Fit(-np.inf, np.inf, np.inf), np.arange(len(residuals))
     densities = []
     apart = (opening * residuals > 0.0) & (opening * residuals < FURTHEST_APART)
-    apart[-1] = False  # whatever happened before: this is where it lies now
-    for off in _subsets(np.flatnonzero(apart), k - FEWEST):
+    for off in _subsets(np.flatnonzero(apart), min(k - FEWEST, MOST_APART)):
         touching = np.setdiff1d(np.arange(k), off)
         factor = np.linalg.cholesky(covariance[np.ix_(touching, touching)])
         white = np.linalg.solve(factor, residuals[touching])
@@ -295,7 +337,7 @@ def fits(candidate: Candidate) -> bool:
     return candidate.misfit <= MISFIT
 
 
-def _verdict(candidates: tuple[Candidate, ...], pairs: tuple[Pair, ...]) -> Felt:
+def _verdict(candidates: tuple[Candidate, ...]) -> Felt:
     best = candidates[0]
     if not fits(best):
         off = (
@@ -305,14 +347,14 @@ def _verdict(candidates: tuple[Candidate, ...], pairs: tuple[Pair, ...]) -> Felt
             f'no edge fits: wedged, or another object (nearest: {_list(best.edges)}, {off}, '
             f'χ² {best.misfit:.0f} for each pair; allowed: {MISFIT:.0f})'
         )
-        return Felt(UNKNOWN, candidates, reason, pairs)
+        return Felt(UNKNOWN, candidates, reason)
     if best.probability < SURE:
         likely = [c for c in candidates if c.probability > (1.0 - SURE) / len(candidates)]
         reason = 'not distinguishable: ' + ', '.join(
             f'{_list(c.edges)} ({c.probability:.0%})' for c in likely
         )
-        return Felt(UNKNOWN, candidates, reason, pairs)
-    return Felt(LYING, candidates, '', pairs)
+        return Felt(UNKNOWN, candidates, reason)
+    return Felt(LYING, candidates)
 
 
 def _list(edges: tuple[int, ...]) -> str:

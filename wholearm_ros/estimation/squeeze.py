@@ -17,6 +17,7 @@ from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import ManipulatedObject, Scenario
 
 VERTEX_STEP = 2e-4  # [m] over which the derivatives with respect to vertices are differenced
+TIP_MARGIN = 0.005  # [m] of a finger's tip by which an object must not be met alone
 ANGLE_STEP = 1e-4  # [rad] the same of the held finger's angle
 
 
@@ -96,6 +97,17 @@ class SqueezeModel:
         scenario = _displaced(self.scenario, errors)
         convex = (turns(scenario.object.polygon.vertices) > 0.0).all()
         return SqueezeModel(scenario) if convex else None
+
+    @cached_property
+    def shortened(self) -> 'SqueezeModel':
+        """In a hand whose fingers are shorter by TIP_MARGIN: what it does not meet, fingers of the
+        true length may pass over.
+        """
+        hand = self.scenario.hand
+        left, right = (
+            replace(finger, length=finger.length - TIP_MARGIN) for finger in (hand.left, hand.right)
+        )
+        return SqueezeModel(replace(self.scenario, hand=replace(hand, left=left, right=right)))
 
     @cached_property
     def _neighbours(self) -> list[tuple[Scenario, World]]:

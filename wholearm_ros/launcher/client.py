@@ -117,7 +117,7 @@ class Client:
         for topic, hear in heard:
             self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
         deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self.node.create_subscription(
+        self._truth = self.node.create_subscription(
             channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, _guarded(self._on_pose), deep
         )
 
@@ -133,6 +133,10 @@ class Client:
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
         self.context.destroy()
+
+    def leave_truth_alone(self) -> None:
+        """From now on no pose is kept: nobody will judge, and they are many."""
+        self.node.destroy_subscription(self._truth)
 
     def wait(self, condition: Callable[[], object], seconds: float, what: str) -> None:
         """Spins until `condition()` is true; raises GraphError, naming `what`, after `seconds`."""

@@ -1,6 +1,6 @@
 // The page: what is heard goes to its place, what is pressed goes to the console, Stop before everything.
 const link = makeLink(), live = makeLive(choose), board = makeBoard(link), bags = makeBags(link);
-const me = {page: null, holder: null, chosen: null, status: '', names: {}, colours: {}};
+const me = {page: null, holder: null, chosen: null, status: '', graph: null, mode: '', names: {}, colours: {}};
 const inControl = () => me.page !== null && me.holder === me.page;
 
 // ---- Stop: by pointer as soon as it is down, by the space bar wherever the focus is
@@ -82,19 +82,25 @@ for (const id of ['feel', 'cancel', 'reset', 'restart']) byId(id).addEventListen
 // ---- what is heard
 link.on('hello', message => {
   me.page = message.page;
+  byId('log').replaceChildren();
   board.names(message.scenarios);
   bags.list();
   link.send({type: 'control', how: 'ask'});  // given when nobody has it
 });
 link.on('graph', message => {
+  me.graph = message;
   me.status = message.status;
-  byId('graph-chip').textContent = message.status;
-  byId('graph-chip').className = `chip ${message.status}`;
+  showGraph();
   byId('graph-text').textContent = message.status === 'failed' ? message.text : message.text && `waiting for: ${message.text}`;
   byId('restart').hidden = message.join || message.status !== 'failed';
   if (message.status !== 'ready') live.reset();
   enable();
 });
+function showGraph() {
+  const status = link.isAlive() && me.graph ? me.graph.status : 'no connection';
+  byId('graph-chip').textContent = status;
+  byId('graph-chip').className = `chip ${link.isAlive() ? status : 'failed'}`;
+}
 link.on('scene', message => {
   me.names = message.names;
   me.colours = message.colours;
@@ -129,7 +135,8 @@ link.on('state', message => {
   showMode(message.mode);
   const attempt = message.attempt && `attempt ${message.attempt} of ${message.attempts}: `;
   const place = message.place ? `It lies on edge ${message.place.edge} at x = ${message.place.x} mm.` : '';
-  byId('run-line').textContent = (message.phase ? `${attempt}${message.phase}` : message.reached || message.felt || message.planner) + (message.phase ? '' : ` ${place}`);
+  const ended = message.reached || message.felt || (message.planner === 'ready' ? '' : message.planner);
+  byId('run-line').textContent = message.phase ? `${attempt}${message.phase}` : [ended, place].filter(Boolean).join('. ');
   byId('run-line').className = message.phase ? '' : message.outcome === 'succeeded' ? 'good' : message.outcome ? 'bad' : '';
   byId('run-progress').value = message.progress;
   byId('run-progress').hidden = !message.phase;
@@ -175,16 +182,10 @@ link.on('note', message => say({ok: message.level !== 'error', message: message.
 link.on('alive', alive => {
   byId('lost').hidden = alive;
   for (const id of ['stop', 'stop-drives']) byId(id).classList.toggle('dead', !alive);
-  if (alive) {
-    byId('stop-text').textContent = '';
-    byId('login').hidden = true;
-    byId('log').replaceChildren();
-  } else {
-    me.holder = null;
-    byId('graph-chip').textContent = 'no connection';
-    byId('graph-chip').className = 'chip failed';
-    live.reset();
-  }
+  byId('stop-text').textContent = '';
+  if (alive) byId('login').hidden = true;
+  else live.reset();
+  showGraph();
   enable();
 });
 link.on('closed', async () => {  // a console that wants a token refuses the socket; so does one that is gone

@@ -70,7 +70,7 @@ function makeBoard(link, mayCommand) {
     world.querySelectorAll('.board-edge').forEach((e, k) => { ends(e, k); e.classList.toggle('wrong', state.wrong.edges.includes(k)); });
     world.querySelectorAll('.board-text').forEach((e, k) => {
       const a = state.points[k], b = state.points[(k + 1) % n], d = [b[0] - a[0], b[1] - a[1]], length = Math.hypot(...d) || 1;
-      const at = [0, 1].map(i => (a[i] + b[i]) / 2 + 7 * [d[1], -d[0]][i] / length);
+      const at = [0, 1].map(i => (a[i] + b[i]) / 2 + [d[1], -d[0]][i] / length * (6 + 7 * Math.abs(d[1]) / length));
       e.setAttribute('transform', `translate(${at}) scale(1,-1)`);
       e.textContent = `${k}: ${length.toFixed(1)}`;
     });
@@ -172,9 +172,10 @@ function makeBoard(link, mayCommand) {
     checked.problems.forEach(p => element(byId('problems'), 'li', p.text, {class: 'bad'}));
     if (!checked.problems.length) element(byId('problems'), 'li', 'convex, and both fingers reach it at the start', {class: 'good'});
     byId('drawn-faces').replaceChildren();
-    (checked.faces || []).forEach(f => element(byId('drawn-faces'), 'p', f.reach
-      ? `edge ${f.edge}: it rests on it, but ${f.reach}` : `edge ${f.edge}: it rests on it, within reach of both fingers`, {class: 'key'}));
-    if (checked.centroid) element(byId('drawn-faces'), 'p', `area ${checked.area} cm², centroid ${checked.centroid.join(', ')} mm`, {class: 'key'});
+    const within = (checked.faces || []).filter(f => !f.reach).map(f => f.edge);
+    if (checked.faces) element(byId('drawn-faces'), 'p', `It rests within reach of both fingers on edge ${within.join(', ') || 'none'}.`, {class: 'key'});
+    (checked.faces || []).filter(f => f.reach).forEach(f => element(byId('drawn-faces'), 'p', `Edge ${f.edge}: ${f.reach}`, {class: 'key bad'}));
+    if (checked.centroid) element(byId('drawn-faces'), 'p', `Area ${checked.area} cm², centroid at ${checked.centroid.join(', ')} mm.`, {class: 'key'});
     drawn(false);
   }
 

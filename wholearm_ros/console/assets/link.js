@@ -21,7 +21,7 @@ function makeLink() {
     last = performance.now();
     mine.onmessage = event => {
       last = performance.now();
-      setAlive(true);
+      if (mine === socket) setAlive(true);
       const message = JSON.parse(event.data);
       if (message.type === 'answer' && waiting.has(message.id)) {
         waiting.get(message.id)(message);

@@ -171,4 +171,4 @@ def _options(documents: list[dict[str, Any]]) -> str:
         [str(d[name]).rsplit('/', 1)[-1] if name == 'suite' else d[name] for name in names]
         for d in documents
     ]
-    return table(names, rows)
+    return table(names, rows, 'long')

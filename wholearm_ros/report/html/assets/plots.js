@@ -140,7 +140,7 @@ function makeBars(box, {bars, kinds, title, pick}) {
   function draw() {
     svg.replaceChildren();
     const width = svg.clientWidth, height = svg.clientHeight, one = (width - LEFT) / bars.length, every = Math.ceil(12 / one);
-    const longest = Math.max(...bars.map(bar => bar.name.length)), bottom = Math.min(12 + 5.4 * longest, 0.4 * height), foot = height - bottom;
+    const longest = Math.max(...bars.map(bar => bar.name.length)), bottom = Math.min(14 + 6.4 * longest, 0.45 * height), foot = height - bottom;
     svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
     const y = v => foot - (foot - TOP) * v / top;
     ticks(0, top, height / 45).forEach(v => {
@@ -156,7 +156,7 @@ function makeBars(box, {bars, kinds, title, pick}) {
         make(group, 'rect', {x: left + 0.12 * one, width: 0.76 * one, y: y(sum + part), height: y(sum) - y(sum + part), fill: kinds[i].colour});
         sum += part;
       });
-      const middle = left + one / 2, shown = bar.name.length * 5.4 > bottom ? bar.name.slice(0, Math.floor(bottom / 5.4) - 2) + '…' : bar.name;
+      const middle = left + one / 2, shown = bar.name.length * 6.4 + 12 > bottom ? bar.name.slice(0, Math.floor((bottom - 12) / 6.4) - 1) + '…' : bar.name;
       if (k % every === 0) label(svg, middle + 4, foot + 6, shown, 'end', {transform: `rotate(-90 ${middle + 4} ${foot + 6})`, class: 'name'});
       const tell = () => {
         tip.textContent = [bar.name, ...kinds.map((kind, i) => `${kind.name} ${bar.parts[i].toFixed(2)}`), `together ${totals[k].toFixed(2)}`].join('\n');
