@@ -9,8 +9,10 @@ Usage: ros2_control_rig.py RATE [--plain] [--no-effort]; --plain: the robot's ow
 --no-effort: joints without an effort state interface.
 """
 
+import os
 import sys
 import threading
+from contextlib import suppress
 
 import numpy as np
 import rclpy
@@ -109,6 +111,8 @@ if __name__ == '__main__':
     sys.setswitchinterval(0.0005)
     options = sys.argv[2:]
     told = PLAIN if '--plain' in options else OURS
+    with suppress(OSError):  # as controller_manager does, where it may
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))
     node = ControllerManager(float(sys.argv[1]), told, '--no-effort' not in options)
     executor = EventsExecutor()
     executor.add_node(node)

@@ -40,6 +40,7 @@ from wholearm_ros.ros.interface.messages import (
 from wholearm_ros.ros.interface.transport import choose_transport
 
 BETWEEN_TRIES = 0.5  # [s] of an activation
+LEASE = 21.0  # [s] and a little less: for as long a killed node is still listed
 AFTER_THE_END = 2.0  # [s] in which a pose after the end of a run is waited for
 SUPERVISOR_PARAMETERS = channels.Service('reorientation/set_parameters', SetParameters)
 Values = dict[str, str]  # of a DiagnosticStatus
@@ -178,6 +179,24 @@ class Client:
                 )
             ),
         )
+
+    def wait_until_alone(self, nodes: Iterable[str], seconds: float = LEASE) -> None:
+        """Raises GraphError when one of `nodes` is there more than once for so long: another graph
+        runs in this domain, however it was started. One that was killed is listed for a while.
+        """
+        own = self.node.get_namespace()
+
+        def doubled() -> list[str]:
+            there = [n for n, space in self.node.get_node_names_and_namespaces() if space == own]
+            return [name for name in nodes if there.count(name) > 1]
+
+        try:
+            self.wait(lambda: not doubled(), seconds, 'another graph')
+        except GraphError as error:
+            raise GraphError(
+                f'{", ".join(doubled())}: there already in this ROS domain; '
+                'allowed: one graph, or another ROS_DOMAIN_ID'
+            ) from error
 
     def wait_for_publishers(
         self, seconds: float, least: Iterable[tuple[channels.Topic, int]]

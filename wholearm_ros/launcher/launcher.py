@@ -34,6 +34,15 @@ START_WITHIN = 300.0  # [s] the first time, everything is compiled
 SLACK = 60.0
 LOCKSTEP_SLOWNESS = 60.0
 BRIDGE = 'ros2_control_bridge'
+# Two of these would act on one hand.
+COMMANDING = (
+    BRIDGE,
+    'hand_hardware',
+    'mode_switcher',
+    'velocity_controller',
+    'torque_controller',
+    'trajectory_generator',
+)
 ACTIVE_WITHIN = 20.0  # [s] once the graph is up: the broadcaster and the controller must be there
 ANSWER_WITHIN = 30.0  # [s] of the supervisor to another scenario
 LONGEST_SILENCE = 30.0  # [s] of the supervisor while it executes
@@ -209,6 +218,7 @@ def _plan_and_execute(
     tell('starting the nodes')
     all_recorded = options.record is not None and not options.topics
     client.wait_for_graph(START_WITHIN, all_recorded)
+    client.wait_until_alone([n for n in node_parameters(options) if n in COMMANDING])
     client.wait_for_subscribers(START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),))
     client.wait_for_supervisor(START_WITHIN, all_recorded)
     if options.hardware == Hardware.ros2_control.value:
