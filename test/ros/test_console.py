@@ -132,7 +132,7 @@ def listener(console):
 
 def test_the_page_is_whole_and_asks_nobody_else(alone):
     async def look():
-        async with aiohttp.ClientSession() as session:
+        async with session_of(alone) as session:
             async with session.get(alone.address) as answer:
                 text = await answer.text()
                 assert answer.status == 200
@@ -202,7 +202,7 @@ def test_what_is_malformed_is_answered_and_ends_nothing(alone):
             with pytest.raises(TypeError):  # no text any more: the connection is closed
                 while True:
                     await page.message()
-            assert page.ws.close_code == aiohttp.WSCloseCode.MESSAGE_TOO_BIG
+            assert page.ws.closed  # by 1009, or by a reset: the rest of the message was not read
         async with page_of(alone) as page:
             assert (await page.ask('files'))['ok']
 
@@ -252,6 +252,10 @@ def test_fifty_pages_and_one_that_never_reads_keep_nobody_from_an_answer(alone):
     host, _, port = alone.address[7:-1].rpartition(':')
     deaf = socket.create_connection((host, int(port)))
 
+    async def read(one):
+        async for _ in one:
+            pass
+
     async def crowd():
         async with session_of(alone) as session:
             cookie = next(iter(session.cookie_jar))
@@ -262,6 +266,7 @@ def test_fifty_pages_and_one_that_never_reads_keep_nobody_from_an_answer(alone):
             )
             connect = lambda: session.ws_connect(f'{alone.address}live')
             pages = await asyncio.gather(*(connect() for _ in range(50)))
+            reading = [asyncio.create_task(read(one)) for one in pages]
             async with page_of(alone) as page:
                 await page.until(lambda m: m['type'] == 'control' and m['pages'] >= 51)
                 assert 'emergency stop' in (await page.ask('stop'))['message']
@@ -273,6 +278,8 @@ def test_fifty_pages_and_one_that_never_reads_keep_nobody_from_an_answer(alone):
                 except aiohttp.WSServerHandshakeError as error:
                     refused += error.status == 503
             assert refused >= 5
+            for one in reading:
+                one.cancel()
             await asyncio.gather(*(one.close() for one in pages))
 
     asyncio.run(crowd())
@@ -283,14 +290,15 @@ def test_turn_stop_by_a_page_that_looks_on_feel_and_turn_again(console, listener
     """Stop in the middle holds the hand; the object is felt where it is, and turned from there."""
 
     async def work():
-        async with page_of(console) as page, page_of(console) as other:
+        async with page_of(console) as page:
             await page.ready()
             assert (await page.ask('control', how='ask'))['ok']
             assert (await page.ask('turn', edge=5))['ok']
             await page.until(
                 lambda m: m['type'] == 'frame' and m['m'] == 'quasi_static' and 'g' in m
             )
-            stopped = await other.ask('stop')
+            async with page_of(console) as other:  # which has no control
+                stopped = await other.ask('stop')
             assert stopped['ok'], stopped
             state = await page.until(lambda m: m['type'] == 'state' and m['outcome'])
             assert state['outcome'] in ('aborted', 'canceled') and 'stop' in state['reached']

@@ -28,7 +28,7 @@ class Access:
         is a page that pretends (DNS rebinding).
         """
         name = urlsplit(f'//{host}').hostname
-        return bool(name) and (bool(self.token) or name in LOCAL_NAMES)
+        return bool(name) and (name in LOCAL_NAMES or not is_loopback(self.address))
 
     def origin_allowed(self, origin: str | None, host: str) -> bool:
         """Whether a request comes from our own page, or from no page at all."""
@@ -52,15 +52,20 @@ class Access:
         return any(secrets.compare_digest(given, own.encode()) for own in self.sessions)
 
 
+def is_loopback(address: str) -> bool:
+    """Whether only this machine reaches an address; raises ValueError of what is none."""
+    return ipaddress.ip_address(address).is_loopback
+
+
 def make_access(address: str, with_token: bool) -> Access:
     """Raises WholeArmError for another address than the loopback's without a token."""
     try:
-        local = ipaddress.ip_address(address).is_loopback
+        needs_token = not is_loopback(address)
     except ValueError as error:
         raise WholeArmError(
             f'--address: got {address!r}; allowed: an IP address, {LOOPBACK} for this machine only'
         ) from error
-    if not local and not with_token:
+    if needs_token and not with_token:
         raise WholeArmError(
             f'--address {address}: other machines could command the hand; '
             f'allowed: together with --token, or {LOOPBACK}'
