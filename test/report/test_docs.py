@@ -160,7 +160,8 @@ def _parse(words):
     context = group.make_context('wholearm', list(words), resilient_parsing=True)
     _, command, _ = group.resolve_command(context, list(words))
     assert command is not None, words[0]
-    known = {option for parameter in command.params for option in parameter.opts}
+    params = command.params
+    known = {option for p in params for option in (*p.opts, *p.secondary_opts)}
     given = [word for word in words[1:] if word.startswith('-')]
     if words[0] == 'run' and '--pacing' not in known:
         pytest.skip('wholearm run needs ROS 2')
