@@ -103,7 +103,8 @@ class Commands:
         if self.drives in WAITING_FOR_RESET:
             answer(False, RESET_FIRST)
             return
-        self.place = None
+        self.place, latest = None, self.client.latest
+        latest.reorientation, latest.reached = {}, {}  # of an earlier goal
         self.client.feel()
         answer(True, 'feeling what lies in the hand')
 
