@@ -303,7 +303,7 @@ def test_turn_stop_by_a_page_that_looks_on_feel_and_turn_again(console, listener
             state = await page.until(lambda m: m['type'] == 'state' and m['outcome'])
             assert state['outcome'] in ('aborted', 'canceled') and 'stop' in state['reached']
             listener.wait(lambda: listener.latest.mode == STOPPED, WAIT, 'mode')
-            if 'reset' in stopped['message']:  # a busy machine: the drives themselves were stopped
+            if 'eset' in stopped['message']:  # a busy machine: the drives themselves were stopped
                 assert 'Reset first' in (await page.ask('feel'))['message']
             assert (await page.ask('reset'))['ok']
             assert (await page.ask('feel'))['ok']

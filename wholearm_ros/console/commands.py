@@ -76,15 +76,7 @@ class Commands:
         if drives or not self.client.offered(channels.STOP):
             self._stop_drives(answer)
         else:
-            self._ask(
-                channels.STOP,
-                STOP_WITHIN,
-                lambda told: (
-                    answer(True, told.message)
-                    if told is not None and told.success
-                    else self._stop_drives(answer)
-                ),
-            )
+            self._stop_by_switcher(_once(answer))
         self.client.cancel_reorientation()
         self.client.cancel()
 
@@ -103,7 +95,8 @@ class Commands:
         if self.drives in WAITING_FOR_RESET:
             answer(False, RESET_FIRST)
             return
-        self.place = None
+        self.place, latest = None, self.client.latest
+        latest.reorientation, latest.reached = {}, {}  # of an earlier goal
         self.client.feel()
         answer(True, 'feeling what lies in the hand')
 
@@ -162,6 +155,23 @@ class Commands:
             return replace(start, felt=True)
         return StartOnEdge(self.scenario.object.polygon.resting_edges[0], 0.0, felt=True)
 
+    def _stop_by_switcher(self, answer: Answer) -> None:
+        """The drives are stopped, too, where it is late; whoever answers first is believed."""
+        future = self.client.ask(channels.STOP)
+
+        def late(told: Any) -> None:
+            if told is not None and told.success:
+                answer(True, f'{told.message}; the drives were asked to hold, too: {RESET_FIRST}')
+
+        def in_time(told: Any) -> None:
+            if told is not None and told.success:
+                answer(True, told.message)
+            else:
+                self._stop_drives(answer)
+                self._expect(future, ANSWER_WITHIN, late)
+
+        self._expect(future, STOP_WITHIN, in_time)
+
     def _stop_drives(self, answer: Answer) -> None:
         if not self.client.offered(channels.HARDWARE_STOP):
             answer(False, 'nobody answers a stop: use the emergency stop of your hand')
@@ -185,3 +195,15 @@ def _answered(service: channels.Service, answer: Answer) -> Callable[[Any], None
             answer(bool(response.success), response.message)
 
     return told
+
+
+def _once(answer: Answer) -> Answer:
+    """Passes on the first answer only."""
+    given: list[bool] = []
+
+    def first(success: bool, line: str) -> None:
+        if not given:
+            given.append(success)
+            answer(success, line)
+
+    return first

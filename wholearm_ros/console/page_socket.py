@@ -34,8 +34,9 @@ class PageSocket:
         try:
             await self._read(socket)
         finally:
-            writing.cancel()
             self.desk.gone(self.number)
+            writing.cancel()
+            await asyncio.gather(writing, return_exceptions=True)
         return socket
 
     async def _read(self, socket: web.WebSocketResponse) -> None:

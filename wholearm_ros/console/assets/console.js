@@ -137,7 +137,7 @@ link.on('state', message => {
   showMode(message.mode);
   const attempt = message.attempt && `attempt ${message.attempt} of ${message.attempts}: `;
   const place = message.place ? `It lies on edge ${message.place.edge} at x = ${message.place.x} mm.` : '';
-  const ended = message.reached || message.felt || (message.planner === 'ready' ? '' : message.planner);
+  const ended = message.reached || message.felt || (message.mode === 'probing' ? 'feeling' : '');
   byId('run-line').textContent = message.phase ? `${attempt}${message.phase}` : [ended, place].filter(Boolean).join('. ');
   byId('run-line').className = message.phase ? '' : message.outcome === 'succeeded' ? 'good' : message.outcome ? 'bad' : '';
   byId('run-progress').value = message.progress;
