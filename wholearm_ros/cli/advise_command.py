@@ -104,16 +104,10 @@ def _document(
     asked: Scenario, plain: PlanResult, tried: list[Trial], changed: Scenario | None
 ) -> dict[str, Any]:
     """`wholearm-advice/1`; `scenario` is the one that has a plan, or null."""
-    plan = plain.plan
     return {
         'format': FORMAT,
         'name': asked.name,
-        AS_IT_IS.replace(' ', '_'): {
-            'works': plain.trajectory is not None,
-            'outcome': plan.outcome,
-            'reason': plan.reason,
-            'certificate': plan.certificate.to_dict() if plan.certificate else None,
-        },
+        AS_IT_IS.replace(' ', '_'): advice.told_of(plain),
         'tried': [trial.to_dict() for trial in tried],
         'change': tried[-1].change.what if tried and tried[-1].works else None,
         'scenario': scenario_to_dict(changed) if changed else None,

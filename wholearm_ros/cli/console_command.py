@@ -12,6 +12,7 @@ from wholearm_ros.cli.options import (
     PacingOption,
     RateOption,
     SeedOption,
+    scenario_argument,
 )
 from wholearm_ros.cli.output import out, print_plain
 from wholearm_ros.console.access import LOOPBACK, make_access
@@ -30,11 +31,7 @@ PORT = 8470
 def console(
     scenario: Annotated[
         str,
-        typer.Argument(
-            metavar='[SCENARIO]',
-            help='Whose object is in the hand: a file, or the name of a shipped one.',
-            show_default='asymmetric_hexagon',
-        ),
+        scenario_argument('Whose object is in the hand: a file, or the name of a shipped one.'),
     ] = '',
     join: Annotated[
         bool, typer.Option('--join', help='Start no nodes: take the graph that runs already.')

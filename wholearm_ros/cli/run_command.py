@@ -20,6 +20,7 @@ from wholearm_ros.cli.options import (
     SeedOption,
     TransitionOption,
     ViewOption,
+    scenario_argument,
 )
 from wholearm_ros.cli.output import finish, graph_at_work, out
 from wholearm_ros.cli.planning import advice_for, load_asked
@@ -40,11 +41,7 @@ from wholearm_ros.ros.interface.transport import choose_transport
 def run(
     scenario: Annotated[
         str,
-        typer.Argument(
-            metavar='[SCENARIO]',
-            help='Scenario file, YAML or JSON, or the name of a shipped one.',
-            show_default='asymmetric_hexagon',
-        ),
+        scenario_argument('Scenario file, YAML or JSON, or the name of a shipped one.'),
     ] = '',
     goal_edge: GoalEdgeOption = None,
     sequence: Annotated[

@@ -8,17 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from wholearm_ros.control.command_watchdog import STOPPED, ZERO_TORQUE
+from wholearm_ros.control.command_watchdog import WAITING_FOR_RESET
+from wholearm_ros.estimation.claim import Claim
 from wholearm_ros.launcher.client import Client
 from wholearm_ros.mechanics.contacts import start_configuration
-from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE
 from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.ros.interface import channels
 
 STOP_WITHIN = 0.25  # [s] for the mode switcher; then the drives themselves are stopped
 ANSWER_WITHIN = 5.0  # [s] for any other service
-WAITING_FOR_RESET = (STOPPED, ZERO_TORQUE)
 RESET_FIRST = 'the drives take no command; allowed: Reset first'
 SAME_ANGLES = 0.02  # [rad]
 Answer = Callable[[bool, str], None]  # success, one line
@@ -132,9 +131,7 @@ class Commands:
 
     def felt(self, values: dict[str, str]) -> None:
         """A result has told where the object lies, or that nobody knows."""
-        edge, x = values.get('felt_edge', ''), values.get('felt_x', '')
-        sure = values.get('claimed') in (AT_GOAL, ELSEWHERE) and edge.isdecimal() and x
-        self.place = StartOnEdge(int(edge), float(x)) if sure else None
+        self.place = Claim.from_dict(values).place
 
     def at_the_start(self) -> None:
         """The object is where the scenario says, if anybody can know that."""

@@ -3,11 +3,18 @@ stopped.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from wholearm_ros.model.hand import SIDES
+
 BRAKE, DRIVEN, HOLD = 'brake', 'driven', 'hold'
 ZERO_TORQUE, STOPPED = 'zero torque', 'stopped'
+WAITING_FOR_RESET = {  # state → what is told of it
+    ZERO_TORQUE: 'commands stopped: zero torque until hand_hardware/reset',
+    STOPPED: 'stopped on request: the drives hold until hand_hardware/reset',
+}
 
 
 class CommandWatchdog:
@@ -58,7 +65,7 @@ class CommandWatchdog:
             good = self.newest[joint] < stamp <= now
         else:
             good = stamp == 0 or abs(now - stamp) <= self._tolerance
-        if not good or self.state in (ZERO_TORQUE, STOPPED):
+        if not good or self.state in WAITING_FOR_RESET:
             self.late += 1
             return False
         limit = self._limits[joint]
@@ -67,6 +74,18 @@ class CommandWatchdog:
         self.taken[joint] += 1
         self.efforts[joint] = min(max(effort, -limit), limit)
         return True
+
+    def figures(self) -> dict[str, Any]:
+        """For /diagnostics."""
+        values: dict[str, Any] = {
+            'state': self.state,
+            'late commands': self.late,
+            'commands at the limit': self.saturated,
+            'watchdog trips': self.trips,
+        }
+        for side, taken, newest in zip(SIDES, self.taken, self.newest):
+            values.update({f'{side} commands': taken, f'{side} newest': newest})
+        return values
 
     @property
     def driven(self) -> bool:

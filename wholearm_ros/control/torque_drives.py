@@ -19,9 +19,7 @@ class TorqueDrives:
         fingers = (scenario.hand.left, scenario.hand.right)
         self.gains, self.guard = gains, guard
         self._limits = np.array([f.torque_limit for f in fingers])
-        self._weights = np.array(
-            [f.mass * scenario.gravity.in_plane * f.length / 2 for f in fingers]
-        )  # [N m] at θ = 0
+        self._weights = np.array(scenario.finger_moments)  # [N m] at θ = 0
         self.release()
 
     def release(self) -> None:

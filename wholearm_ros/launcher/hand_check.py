@@ -248,9 +248,7 @@ class _Examiner:
 
     def _weights(self, angles: np.ndarray) -> np.ndarray:
         """(2,) [N m] that bear the fingers at `angles`."""
-        fingers = [self.scenario.hand[k] for k in (LEFT, RIGHT)]
-        level = [f.mass * self.scenario.gravity.in_plane * f.length / 2 for f in fingers]
-        weights: np.ndarray = np.array(level) * np.cos(angles)
+        weights: np.ndarray = np.array(self.scenario.finger_moments) * np.cos(angles)
         return weights
 
     def _hold(self, angles: np.ndarray, velocities: np.ndarray) -> np.ndarray:

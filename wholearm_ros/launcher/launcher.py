@@ -12,15 +12,16 @@ from typing import Any, Optional
 
 import numpy as np
 
+from wholearm_ros.estimation.claim import Claim
 from wholearm_ros.launcher.client import Client, GraphError, LatestMessages, Values
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
 from wholearm_ros.model.choices import Hardware, Pacing, Storage
 from wholearm_ros.model.modes import PLANNING
 from wholearm_ros.model.orientation import goal_rotation, start_rotation
-from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, SUCCEEDED
+from wholearm_ros.model.outcomes import SUCCEEDED
 from wholearm_ros.model.perturbation import NOMINAL, numbered_perturbation
-from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.supervision import MAX_ATTEMPTS
@@ -249,10 +250,8 @@ def _configure(client: Client, scenario: Scenario) -> None:
 
 def _from_felt(report: RunReport) -> Scenario | None:
     """The scenario with the start where the object was felt last; None when that is not known."""
-    edge, x = report.result.get('felt_edge'), report.result.get('felt_x')
-    if not edge or not x or report.result.get('claimed') not in (AT_GOAL, ELSEWHERE):
-        return None
-    return replace(report.scenario, start=StartOnEdge(int(edge), float(x)))
+    start = Claim.from_dict(report.result).place
+    return None if start is None else replace(report.scenario, start=start)
 
 
 def _pursue(

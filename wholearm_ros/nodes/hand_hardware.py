@@ -11,11 +11,14 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from wholearm_ros.control.command_watchdog import BRAKE, STOPPED, ZERO_TORQUE, CommandWatchdog
+from wholearm_ros.control.command_watchdog import (
+    BRAKE,
+    WAITING_FOR_RESET,
+    CommandWatchdog,
+)
 from wholearm_ros.control.periodic_timer import PeriodicTimer
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
 from wholearm_ros.model.choices import CommandStamps, Pacing, values
-from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.perturbation import numbered_perturbation
 from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.ros.interface import channels
@@ -228,18 +231,13 @@ class HandHardware(WholeArmNode):
         """State of the drives, figures of the loop; an error where they wait for a reset."""
         guard, waiting = self.guard, time.monotonic() - self.answered
         values = {
-            'state': guard.state,
+            **guard.figures(),
             'pacing': self.parameters.pacing,
             'stamp': self.now,
             'steps': self.steps,
-            'late commands': guard.late,
-            'commands at the limit': guard.saturated,
-            'watchdog trips': guard.trips,
             channels.PERTURBATION: json.dumps(self.perturbation.to_dict()),
+            **self.meter.figures(),
         }
-        for side, taken, newest in zip(SIDES, guard.taken, guard.newest):
-            values.update({f'{side} commands': taken, f'{side} newest': newest})
-        values.update(self.meter.figures())
         if not self.lockstep:
             values.update(
                 {
@@ -249,10 +247,8 @@ class HandHardware(WholeArmNode):
                     'slipped ms': self.timer.slipped / 1e6,
                 }
             )
-        if guard.state == ZERO_TORQUE:
-            return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
-        if guard.state == STOPPED:
-            return ERROR, 'stopped on request: the drives hold until hand_hardware/reset', values
+        if guard.state in WAITING_FOR_RESET:
+            return ERROR, WAITING_FOR_RESET[guard.state], values
         if self.lockstep and guard.state != BRAKE and waiting > self.parameters.lockstep_timeout:
             return WARN, f'waiting {waiting:.0f} s for the commands of one step', values
         return OK, guard.state, values

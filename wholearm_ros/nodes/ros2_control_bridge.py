@@ -11,11 +11,16 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import Trigger
 
-from wholearm_ros.control.command_watchdog import BRAKE, STOPPED, ZERO_TORQUE, CommandWatchdog
+from wholearm_ros.control.command_watchdog import (
+    BRAKE,
+    STOPPED,
+    WAITING_FOR_RESET,
+    CommandWatchdog,
+)
 from wholearm_ros.control.joint_map import JointMap
 from wholearm_ros.control.setpoints import Joints
 from wholearm_ros.control.torque_drives import TorqueDrives
-from wholearm_ros.model.hand import JOINT_NAMES, SIDES
+from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.common_parameters import (
     COMMAND_TIMEOUT,
@@ -232,26 +237,19 @@ class Ros2ControlBridge(LifecycleNodeMixin, WholeArmNode):
         """State of the drives, figures of the loop."""
         guard, p = self.guard, self.parameters
         values = {
-            'state': guard.state,
+            **guard.figures(),
             'lifecycle': self._state_machine.current_state[1],
             'stamp': self.stamp,
             'states': self.states,
             'silences': self.silences,
-            'late commands': guard.late,
-            'commands at the limit': guard.saturated,
-            'watchdog trips': guard.trips,
+            **self.meter.figures(),
         }
-        for side, taken, newest in zip(SIDES, guard.taken, guard.newest):
-            values.update({f'{side} commands': taken, f'{side} newest': newest})
-        values.update(self.meter.figures())
         if self.silent():
             return (ERROR if self.active else WARN), f'no joint states on {p.broadcaster}', values
         if not self.active:
             return OK, 'not active: the motors are off', values
-        if guard.state == ZERO_TORQUE:
-            return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
-        if guard.state == STOPPED:
-            return ERROR, 'stopped on request: the drives hold until hand_hardware/reset', values
+        if guard.state in WAITING_FOR_RESET:
+            return ERROR, WAITING_FOR_RESET[guard.state], values
         return OK, guard.state, values
 
     def leave(self) -> None:

@@ -45,16 +45,23 @@ class Trial:
 
     def to_dict(self) -> Table:
         """For documents."""
-        plan = self.result.plan
         return {
             'change': self.change.what,
             'cost': self.change.cost,
             'primitives': self.primitives,
-            'works': self.works,
-            'outcome': plan.outcome,
-            'reason': plan.reason,
-            'certificate': plan.certificate.to_dict() if plan.certificate else None,
+            **told_of(self.result),
         }
+
+
+def told_of(result: PlanResult) -> Table:
+    """What documents say of a planning call."""
+    plan = result.plan
+    return {
+        'works': result.trajectory is not None,
+        'outcome': plan.outcome,
+        'reason': plan.reason,
+        'certificate': plan.certificate.to_dict() if plan.certificate else None,
+    }
 
 
 def advise(
