@@ -11,6 +11,7 @@ from wholearm_ros.cli.options import (
     TIME_BUDGET,
     BudgetOption,
     GoalEdgeOption,
+    HandErrorsOption,
     JsonOption,
     JudgeOption,
     PerturbOption,
@@ -45,6 +46,7 @@ def simulate(
     goal_edge: GoalEdgeOption = None,
     seed: SeedOption = 0,
     perturb: PerturbOption = 0.0,
+    hand_errors: HandErrorsOption = 0.0,
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
@@ -79,7 +81,9 @@ def simulate(
             finish(False)
         plan, trajectory = result.plan, result.trajectory
     loop = LoopOptions(rate, view=view)
-    options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, loop=loop)
+    options = SuiteOptions(
+        PlanRequest(seed=seed), perturb, backend=backend, loop=loop, hand_errors=hand_errors
+    )
     execution = execute(plan.scenario, Leg(trajectory, plan.scenario), options)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))
@@ -99,6 +103,7 @@ def _document(execution: JudgedRun, plan_id: str, options: SuiteOptions) -> dict
         'plan_id': plan_id,
         'seed': options.seed,
         'perturb': options.perturb,
+        'hand_errors': options.hand_errors,
         'executed': judged.executed,
         'reason': judged.reason,
         'final_pose': judged.pose.tolist(),

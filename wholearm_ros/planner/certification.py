@@ -55,6 +55,7 @@ class Certification:
             r.certificate_samples,
             r.certificate_level,
             (r.seed, STREAM, self.refused),
+            r.hand_errors,
             r.start_x_error,
         )[1:]
         for rollout in parallel_rollouts(candidate.trajectory, samples, self.controls):
