@@ -26,8 +26,9 @@ from wholearm_ros.cli.output import finish, out, print_plain, write_json, write_
 from wholearm_ros.cli.planning import load_asked, plan_scenario, read_plan
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Search, Transition
-from wholearm_ros.planner.legs import Leg
+from wholearm_ros.planner.legs import Leg, whole_task
 from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.report.run_document import run_document
 from wholearm_ros.simulation.closed_loop import LoopOptions
 from wholearm_ros.suite.execution import JudgedRun, execute
@@ -84,7 +85,9 @@ def simulate(
     options = SuiteOptions(
         PlanRequest(seed=seed), perturb, backend=backend, loop=loop, hand_errors=hand_errors
     )
-    execution = execute(plan.scenario, Leg(trajectory, plan.scenario), options)
+    asked = whole_task(plan)
+    leg = Leg(trajectory, plan.scenario, stop_of(asked, plan.scenario), plan)
+    execution = execute(asked, leg, options)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))
     if run_out:

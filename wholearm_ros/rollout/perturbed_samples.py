@@ -86,6 +86,13 @@ def _sample(scenario: Scenario, perturbation: Perturbation, shift: float = 0.0) 
     )
 
 
+def moved_sample(scenario: Scenario, sample: PerturbedSample, x: float) -> PerturbedSample:
+    """The same hand and object at the start of `scenario`, but at x [m], where they truly are."""
+    start, p = scenario.start, sample.perturbation
+    assert isinstance(start, StartOnEdge)
+    return _sample(scenario, p, x - start.x - p.hand.start_x)
+
+
 def start_at_rest(sample: PerturbedSample) -> Start:
     """At the sample's start, the drives holding the fingers and asked for their weight."""
     q = sample.start
