@@ -25,13 +25,16 @@ PLACES = 7
 # [rad] that the held finger closes beyond where it was, below zero: opens before it closes to where
 # it was; the first one that separates the hypotheses enough is used.
 AWAY: tuple[float, ...] = (-0.5, -0.7, -0.9, -1.1)
-ON: tuple[float, ...] = (0.08, 0.14, 0.2)
+ON: tuple[float, ...] = (0.08, 0.14, 0.2, 0.3, 0.4)
 WIDE = 0.08  # [rad] between the first and the last place that is enough
 SEPARATED = 60.0  # χ² between what is expected and the next best that is enough
 ENOUGH = (True, SEPARATED)
 GRID = 0.05  # [rad] between the angles that are looked at
 STRONGEST, WEAKEST = 0.08, 0.03  # [N m] of the closing finger
 SAFETY = 2.0  # torque that would tip the object over the torque that is used
+# [N m] of the closing finger, for each radian that it turns while the held one turns by one: what
+# its inertia and its damping add to its torque when it gives way as fast as it is led.
+SWING = 0.04
 OPENED = 0.12  # [rad] that both fingers open before they close
 REACH = 0.35  # [rad] from its closed limit at which the closing finger must have met the object
 STOP_MARGIN = 0.01  # [rad] inside of the closed limit at which a finger is stopped
@@ -180,7 +183,7 @@ def plan_probe(
     margins = np.array([STOP_MARGIN, -STOP_MARGIN])
     stops = world.limits[[0, 1], [0, 1]] + margins
     ends = np.clip(ends, *(world.limits + margins).T)
-    sides = (held, 1 - held)
+    sides = (held, 1 - held) if shifts else (held,)
     away = [(side, AWAY, OPENED) for side in sides]
     on = [(side, ON, 0.0) for side in sides if shifts]
     best, side, opened = Squeezing(ends[[held]], WEAKEST, 0.0), held, 0.0
@@ -232,6 +235,9 @@ def _squeezing(
             for k, one in enumerate(hypotheses)
         ]
     )
+    if expected >= 0:
+        angles = model.squeeze(hypotheses[expected], held, thetas)[1]
+        tipping[expected] -= SWING * np.abs(np.gradient(angles, GRID))
     safe = np.flatnonzero(_safe_stretch(tipping, expected))
     best = Squeezing(np.array([end]), WEAKEST, 0.0)
     for stretch in stretches:
