@@ -56,9 +56,9 @@ class MyHand(Node):
         scenario = wa.load_scenario('asymmetric_hexagon')  # with your hand's lengths and limits
         self.motors = Motors(scenario)
         # Cuts torques to the limit, and knows what to do when commands are late: hold the fingers
-        # after 15 ms, no torque after another 0.5 s, until the reset.
+        # after 15 ms, as long as this node runs.
         limits = [finger.torque_limit for finger in (scenario.hand.left, scenario.hand.right)]
-        self.watchdog = wa.CommandWatchdog(limits, timeout=15_000_000, hold_time=500_000_000)
+        self.watchdog = wa.CommandWatchdog(limits, timeout=15_000_000)
         self.now = self.get_clock().now().nanoseconds
         self.states = self.create_publisher(JointState, 'joint_states', 10)
         self.create_subscription(JointState, 'joint_commands', self.on_command, 10)

@@ -56,6 +56,15 @@ def test_the_watchdog_holds_within_16_ms_then_lets_go_and_one_joint_alone_does_n
     assert made.decide(600 * MS) is None and made.state == BRAKE
 
 
+def test_without_a_hold_time_the_drives_hold_as_long_as_they_run():
+    made = CommandWatchdog(LIMITS, timeout=15 * MS)
+    made.reset(0)
+    assert all(made.command(joint, MS, 1.0, MS) for joint in (0, 1))
+    assert made.decide(MS) is not None
+    assert all(made.decide(17 * MS + k * 1000 * MS) is None for k in range(3600))
+    assert made.state == HOLD and made.trips == 1
+
+
 def test_fresh_commands_end_a_hold():
     made = driven()
     assert made.decide(40 * MS) is None

@@ -129,7 +129,9 @@ def test_a_push_that_was_aborted_fails():
 
 def test_no_watchdog_and_a_stop_that_does_nothing_are_found():
     drift = silence(lambda t: REST + 0.2 * t)
-    for wrong in (silence(zero=False), drift, Silence(START, ())):
+    late = silence(lambda t: REST + 0.2 * max(t - 0.6, 0.0), zero=False)
+    assert not failed(check_moving(PUSHES, silence(zero=False), silence(), HAND)), 'it holds on'
+    for wrong in (drift, late, Silence(START, ())):
         assert failed(check_moving(PUSHES, wrong, silence(), HAND)) == {'watchdog'}
     deaf = Silence(START, silence().samples, answered=False)
     for wrong in (drift, deaf):

@@ -15,6 +15,7 @@ WAITING_FOR_RESET = {  # state → what is told of it
     ZERO_TORQUE: 'commands stopped: zero torque until hand_hardware/reset',
     STOPPED: 'stopped on request: the drives hold until hand_hardware/reset',
 }
+HOLDING = 'hold: no fresh commands, the drives hold the fingers where they are'
 
 
 class CommandWatchdog:
@@ -25,7 +26,8 @@ class CommandWatchdog:
     again; limp: hold lasted `hold_time`, zero torque until the reset; stopped: on request, the
     drives hold the fingers and take no command until the reset.
 
-    limits: (2,) largest torques [N m]; timeout, hold_time [ns]; tolerance [ns]: None where commands
+    limits: (2,) largest torques [N m]; timeout, hold_time [ns]: None, hold as long as the drives
+    run; tolerance [ns]: None where commands
     carry the stamps of the joint states they answer; else they count as stamped on arrival, and
     their own stamps, if not zero, must be within it of the clock. late, saturated, trips: commands
     dropped, commands cut to the limit, times on hold; taken: commands of each joint.
@@ -35,7 +37,7 @@ class CommandWatchdog:
         self,
         limits: Sequence[float],
         timeout: int,
-        hold_time: int,
+        hold_time: int | None = None,
         tolerance: int | None = None,
     ) -> None:
         self._limits, self._tolerance = limits, tolerance
@@ -115,7 +117,8 @@ class CommandWatchdog:
         if self.state == DRIVEN:
             self.state, self._tripped_at = HOLD, now
             self.trips += 1
-        if self.state == HOLD and now - self._tripped_at > self._hold_time:
+        held = now - self._tripped_at if self.state == HOLD else 0
+        if self._hold_time is not None and held > self._hold_time:
             self.state = ZERO_TORQUE
             return np.zeros(2)
         return None

@@ -286,14 +286,15 @@ def _watchdog(silence: Silence | None) -> list[Check]:
     moved = _most_moved(_after(silence, HOLD_WITHIN, HOLD_TIME))
     last = _after(silence, zero_after, np.inf)
     effort = float(np.abs(in_order(last)[2]).max()) if last else np.inf
+    holds_on = bool(last) and _most_moved(_after(silence, HOLD_WITHIN, np.inf)) <= HELD
     return [
         Check(
             'watchdog',
-            moved <= HELD and effort <= ZERO_TORQUE,
+            moved <= HELD and (holds_on or effort <= ZERO_TORQUE),
             f'without commands moved {moved:.3f} rad in {HOLD_TIME:.1f} s, '
             + (f'then {effort:.2f} N m' if last else 'then no state was heard'),
-            f'hold both fingers {1e3 * TIMEOUT:.0f} ms after the last command, zero torque '
-            f'{HOLD_TIME:.1f} s later, until the reset: CommandWatchdog does this',
+            f'hold both fingers {1e3 * TIMEOUT:.0f} ms after the last command, and go on, or '
+            f'have zero torque {HOLD_TIME:.1f} s later: CommandWatchdog does this',
         )
     ]
 

@@ -13,6 +13,8 @@ from std_srvs.srv import Trigger
 
 from wholearm_ros.control.command_watchdog import (
     BRAKE,
+    HOLD,
+    HOLDING,
     WAITING_FOR_RESET,
     CommandWatchdog,
 )
@@ -122,7 +124,7 @@ class HandHardware(WholeArmNode):
         self.guard = CommandWatchdog(
             [hand.left.torque_limit, hand.right.torque_limit],
             round(p.command_timeout * NANOSECONDS),
-            round(p.hold_time * NANOSECONDS),
+            round(p.hold_time * NANOSECONDS) or None,
             round(p.stamp_tolerance * NANOSECONDS) if self.by_arrival else None,
         )
         self.steps, self.told_state, self.meter = 0, BRAKE, LoopMeter()
@@ -258,6 +260,8 @@ class HandHardware(WholeArmNode):
             )
         if guard.state in WAITING_FOR_RESET:
             return ERROR, WAITING_FOR_RESET[guard.state], values
+        if guard.state == HOLD:
+            return WARN, HOLDING, values
         if self.lockstep and guard.state != BRAKE and waiting > self.parameters.lockstep_timeout:
             return WARN, f'waiting {waiting:.0f} s for the commands of one step', values
         return OK, guard.state, values

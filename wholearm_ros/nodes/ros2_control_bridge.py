@@ -13,6 +13,8 @@ from std_srvs.srv import Trigger
 
 from wholearm_ros.control.command_watchdog import (
     BRAKE,
+    HOLD,
+    HOLDING,
     STOPPED,
     WAITING_FOR_RESET,
     CommandWatchdog,
@@ -83,7 +85,7 @@ class Ros2ControlBridge(LifecycleNodeMixin, WholeArmNode):
         self.guard = CommandWatchdog(
             [hand.left.torque_limit, hand.right.torque_limit],
             round(p.command_timeout * NANOSECONDS),
-            round(p.hold_time * NANOSECONDS),
+            round(p.hold_time * NANOSECONDS) or None,
         )
         self.drives = TorqueDrives(scenario, gains_of(p), self.guard)
         self.drives.torques(0, Joints(0.0, np.zeros(2), np.zeros(2)))  # compiled now, not later
@@ -250,6 +252,8 @@ class Ros2ControlBridge(LifecycleNodeMixin, WholeArmNode):
             return OK, 'not active: the motors are off', values
         if guard.state in WAITING_FOR_RESET:
             return ERROR, WAITING_FOR_RESET[guard.state], values
+        if guard.state == HOLD:
+            return WARN, HOLDING, values
         return OK, guard.state, values
 
     def leave(self) -> None:

@@ -29,7 +29,11 @@ COMMAND_TIMEOUT = Declared(
     1.0,
 )
 HOLD_TIME = Declared(
-    'hold_time', 0.5, 'of holding, after which their torque is zero; realtime [s]', 0.0, 60.0
+    'hold_time',
+    0.0,
+    'of holding, after which their torque is zero; 0: they hold as long as they run; realtime [s]',
+    0.0,
+    3600.0,
 )
 
 _DEFAULTS = ControlOptions()
