@@ -1,5 +1,6 @@
 """Feeling: laws of squeezes, and verdicts on pairs whose origin is known."""
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -165,6 +166,22 @@ def test_where_only_one_place_is_safe_nothing_is_told_and_why_is_said(hexagon):
     probe = replace(probe, places=probe.places[-1:])
     felt = feeler.feel(probe, pairs_of(hexagon, probe, 5))
     assert felt.kind == UNKNOWN and 'tip' in felt.reason
+
+
+@pytest.mark.parametrize('again', [False, True])
+@pytest.mark.parametrize('expected', [-1, 0])
+def test_a_probe_is_planned_wherever_the_fingers_stand(hexagon, expected, again):
+    """Also where they have no room: at their end stops."""
+    feeler = Feeler(hexagon)
+    limits = feeler.model.world.limits
+    for ends in itertools.product(*(np.linspace(*row, 3) for row in limits)):
+        for held in (LEFT, RIGHT):
+            probe = plan_probe(
+                feeler.model, feeler.hypotheses, expected, held, np.array(ends), again=again
+            )
+            low, high = limits[probe.held]
+            assert ((probe.places > low) & (probe.places < high)).all()
+            assert WEAKEST <= probe.torque <= STRONGEST
 
 
 def test_probes_are_gentle_and_inside_of_the_limits(hexagon):

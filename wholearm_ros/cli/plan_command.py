@@ -32,6 +32,16 @@ def plan(
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
     min_success: SuccessOption = MIN_SUCCESS,
+    hand_errors: Annotated[
+        float,
+        typer.Option(
+            '--hand-errors',
+            min=0.0,
+            max=10.0,
+            metavar='LEVEL',
+            help='Errors of the hand in the samples of search and certificate.',
+        ),
+    ] = PlanRequest.hand_errors,
     json_out: JsonOption = None,
     figures: Annotated[
         Path | None,
@@ -48,6 +58,7 @@ def plan(
         transition=transition.value,
         time_budget=time_budget,
         min_success=min_success,
+        hand_errors=hand_errors,
     )
     result = plan_scenario(load_asked(scenario, goal_edge), request)
     if json_out:

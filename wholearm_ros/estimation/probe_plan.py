@@ -227,6 +227,9 @@ def _squeezing(
     offsets = np.sign(stretches[0]) * np.arange(0.0, abs(stretches[-1]) + GRID / 2, GRID)
     thetas = end + CLOSING[held] * offsets
     offsets = offsets[(thetas > low) & (thetas < high)]
+    best = Squeezing(np.array([end]), WEAKEST, 0.0)
+    if len(offsets) < 2:
+        return best
     thetas = end + CLOSING[held] * offsets
     alone = stretches[0] < 0.0
     tipping = np.array(
@@ -239,7 +242,6 @@ def _squeezing(
         angles = model.squeeze(hypotheses[expected], held, thetas)[1]
         tipping[expected] -= SWING * np.abs(np.gradient(angles, GRID))
     safe = np.flatnonzero(_safe_stretch(tipping, expected))
-    best = Squeezing(np.array([end]), WEAKEST, 0.0)
     for stretch in stretches:
         used = safe[np.abs(offsets[safe]) < abs(stretch) + GRID / 2]
         if len(used) < 2:

@@ -85,6 +85,14 @@ DECLARED = (
         1.0,
         read_only=False,
     ),
+    Declared(
+        'hand_errors',
+        PlanRequest.hand_errors,
+        'level of the errors of the hand in the samples of search and certificate',
+        0.0,
+        10.0,
+        read_only=False,
+    ),
 )
 # [m, m, rad] of the goal pose of a `plan` request without one.
 TOLERANCE = np.array([0.01, 0.005, 0.03])
@@ -256,6 +264,7 @@ class ContactStatePlanner(WholeArmNode):
             transition=p.transition,
             time_budget=p.time_budget,
             min_success=p.min_success,
+            hand_errors=p.hand_errors,
         )
 
     def publish_status(

@@ -74,7 +74,7 @@ class Certification:
             possible = survived + r.certificate_samples - done
             if lower_bound(r.certificate_samples, possible) < r.min_success or self.watch.over():
                 break
-        return certificate(r.certificate_level, done, survived)
+        return certificate(r.certificate_level, done, survived, r.hand_errors)
 
 
 def certify_in_a_row(
@@ -99,4 +99,4 @@ def certify_in_a_row(
         done = list(parallel_rollouts(generate(turn.scenario, turn), samples, controls))
         samples = [s for s, rollout in zip(samples, done) if rollout.success]
         ends = [float(r.configurations[-1, X]) for r in done if r.success]
-    return certificate(level, count, len(samples))
+    return certificate(level, count, len(samples), request.hand_errors)
