@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from wholearm_ros.launcher.launcher import LOOP_PRIORITY
 from wholearm_ros.ros.interface import channels
 
 pytestmark = pytest.mark.timeout(280)
@@ -32,7 +33,9 @@ def mistakes(checks):
 
 def test_the_stand_in_passes(graph, tmp_path):
     graph.start(
-        ['hand_hardware'], 'realtime', hand_hardware={'backend': 'planar', 'motor_rate': RATE}
+        ['hand_hardware'],
+        'realtime',
+        hand_hardware={'backend': 'planar', 'motor_rate': RATE, 'priority': LOOP_PRIORITY},
     )
     graph.client.wait_for_publishers(120.0, ((channels.JOINT_STATES, 1),))
     for _ in range(3):  # in real time a loaded machine may make any hand late

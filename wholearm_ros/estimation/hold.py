@@ -40,7 +40,8 @@ def hold_to_feel(
     feeler: Feeler, angles: np.ndarray, before: ManipulationTrajectory | None = None
 ) -> ManipulationTrajectory:
     """The fingers held at `angles` (2,) [rad], and the probe of what lies between them: from the
-    other side than after `before`, or of whatever it may be when nothing was done before.
+    other side than after `before`, whose probe has left it open, or without one of whatever it may
+    be.
     """
     weights = feeler.model.world.finger_moment
     if before is None:

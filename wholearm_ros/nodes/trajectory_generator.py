@@ -156,11 +156,12 @@ class TrajectoryGenerator(WholeArmNode):
             self.watch()
 
     def hold(self) -> ManipulationTrajectory:
-        """The fingers where they are, and the probe of what lies between them, from the other side
-        than the last one.
+        """The fingers where they are, and the probe of what lies between them: from the other side
+        than the last one, where the last goal ended with one.
         """
         angles = np.array(json.loads(self.progress['angles']))
-        hold = hold_to_feel(self.feeler, angles, self.executed)
+        probed = self.claimed is not None and self.claimed.felt is not None
+        hold = hold_to_feel(self.feeler, angles, self.executed if probed else None)
         return replace(hold, plan_id=goal_name(FEEL_GOAL))
 
     def reject(self, request: GoalInfo, reason: str) -> None:

@@ -125,9 +125,10 @@ class HandSession:
         return tuple(done)
 
     def feel(self, scenario: Scenario) -> Claim:
-        """A probe alone, from the other side than the last one."""
+        """A probe alone, from the other side than the last one, if there was one."""
         angles, _ = self.hand.joints()
-        before = self.motions[-1].trajectory if self.motions else None
+        last = self.motions[-1] if self.motions else None
+        before = last.trajectory if last is not None and last.claim.felt is not None else None
         return self._lead(hold_to_feel(self.feeler, angles, before), scenario, planned=False)
 
     def _lead(
