@@ -1,4 +1,4 @@
-# make run [SCENARIO=my.yaml] | make test | make lint | make bench | make test-faults | make colcon | make bags | make clean.
+# make run [SCENARIO=my.yaml] | make test | make lint | make docs | make bench | make test-faults | make colcon | make bags | make clean.
 # The environment in .venv is made once. ARGS=... goes on to the tests and to the benchmark.
 SHELL := /bin/bash
 VENV := .venv
@@ -12,7 +12,7 @@ PYTHONS := $(PYTHON) python3.11 python3.10 python3.12 python3 /usr/bin/python3
 
 export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
-.PHONY: run test lint test-faults bench install bags colcon clean
+.PHONY: run test lint docs test-faults bench install bags colcon clean
 run: $(STAMP)
 	@out=runs/$$(date +%Y-%m-%d_%H-%M-%S); \
 	$(PY) -m wholearm_ros run $(SCENARIO) --pacing lockstep --record $$out/bag --figures $$out/figures
@@ -26,6 +26,10 @@ lint: $(STAMP)
 	@$(PY) -m ruff format -q --check .
 	@$(PY) -m mypy --no-error-summary
 	@$(VENV)/bin/lint-imports --no-logo
+
+# The site of the documentation; a link that leads nowhere is an error.
+docs: $(STAMP)
+	@NO_MKDOCS_2_WARNING=1 $(PY) -m mkdocs build -q --strict && echo "build/docs/index.html"
 
 test-faults: $(STAMP)
 	@$(PY) -m pytest -m faults $(ARGS)
@@ -58,7 +62,7 @@ $(STAMP): setup.py pyproject.toml
 	echo "setting up $(VENV) with $$("$$python" --version) (once, a few minutes)"; \
 	[ -x $(PY) ] || "$$python" -m venv $${ROS_DISTRO:+--system-site-packages} $(VENV)
 	@# Where a ROS 2 is sourced, its own packages are used and the wheels of ROS stay out.
-	@$(PIP) -e ".[test,mujoco$$([ "$$ROS_DISTRO" ] || echo ,ros-wheels)]"
+	@$(PIP) -e ".[test,mujoco,console$$([ "$$ROS_DISTRO" ] || echo ,ros-wheels)]"
 	@# PyBullet has wheels up to Python 3.11; it is not compiled, MuJoCo takes its place.
 	@$(PIP) --only-binary pybullet -e '.[pybullet]' 2>/dev/null || \
 	  echo "pybullet has no wheel for this Python: MuJoCo is the default (to compile it: pip install pybullet)"

@@ -1,6 +1,8 @@
 """Build description, for pip and for colcon (ament_python) alike."""
 
+import re
 from glob import glob
+from pathlib import Path
 
 from setuptools import find_packages, setup
 
@@ -13,6 +15,7 @@ NODES = [
     'velocity_controller',
     'torque_controller',
     'hand_hardware',
+    'ros2_control_bridge',
     'object_observer',
     'bag_recorder',
     'bag_player',
@@ -29,7 +32,6 @@ CORE = [
     'pyyaml~=6.0',
     'matplotlib~=3.8',
     'pillow>=10.1',
-    'plotly>=6,<8',
     'typer~=0.12',
     'rich>=13,<16',
 ]
@@ -47,8 +49,19 @@ ROS_WHEELS = [
 CLUSTER = [
     'distributed>=2024.1'
 ]  # `wholearm suite` on a Dask cluster; without it --jobs uses a plain pool of processes
+CONSOLE = [
+    'aiohttp>=3.10,<4',
+    'ezdxf~=1.3',  # outlines from DXF
+    'svgelements~=1.9',  # and from SVG
+]  # `wholearm console`
+DOCS = [
+    'mkdocs-material~=9.5',
+    'mkdocstrings[python]>=0.27,<2',
+]  # `make docs`
 TEST = [
     *CLUSTER,
+    *CONSOLE,
+    *DOCS,
     'pytest>=8,<10',
     'pytest-timeout~=2.3',
     'pytest-xdist>=3.6,<4',
@@ -59,18 +72,37 @@ TEST = [
     'mypy>=1.14',
     'wheel>=0.40',  # the test of the wheel builds it without a network
     'selenium~=4.20',
+    'nbclient~=0.10',  # runs the notebook of examples/
+    'ipykernel>=6,<8',
 ]
+
+# Off the repository the links and images of the README lead nowhere: they become text.
+README = re.sub(
+    r'!?\[([^\]]*)\]\((?!https?:)[^)]*\)', r'\1', Path('README.md').read_text(encoding='utf-8')
+)
 
 setup(
     name=NAME,
     version='0.1.0',
     description='Whole-arm manipulation of a slippery polygon, planned and executed on ROS 2',
+    long_description=README,
+    long_description_content_type='text/markdown',
+    keywords=['manipulation', 'non-prehensile', 'whole-arm', 'contact planning', 'ROS 2'],
+    classifiers=[
+        'Development Status :: 4 - Beta',
+        'Intended Audience :: Science/Research',
+        'Operating System :: POSIX :: Linux',
+        'Programming Language :: Python :: 3',
+        *(f'Programming Language :: Python :: 3.{minor}' for minor in range(10, 14)),
+        'Topic :: Scientific/Engineering',
+    ],
     maintainer='The wholearm_ros developers',
     maintainer_email='wholearm-ros@users.noreply.example.org',
     license='Apache-2.0',
     python_requires='>=3.10,<3.14',
     packages=find_packages(exclude=['test', 'test.*']),
     package_data={
+        f'{NAME}.console': ['assets/*'],
         f'{NAME}.report.html': ['assets/*'],
         f'{NAME}.ros.interface': ['profiles/*.xml'],
     },
@@ -80,6 +112,8 @@ setup(
         'mujoco': MUJOCO,
         'ros-wheels': ROS_WHEELS,
         'cluster': CLUSTER,
+        'console': CONSOLE,
+        'docs': DOCS,
         'test': TEST,
     },
     data_files=[

@@ -1,14 +1,15 @@
 """What the hand says against what is: suites, levels of perturbation, one attempt and several, as one table.
 
     python benchmarks/feeling.py [SUITE ...] --json OUT [--levels 0 1 2 3] [--draws 5] [--attempts 4] [--jobs 2]
-                                 [--tasks N] [--seed 0] [--backend pybullet] [--time-budget 180]
+                                 [--tasks N] [--seed 0] [--backend pybullet] [--time-budget 180] [--stop-outside]
 
 Each task is planned once and executed at every level (a level of 0 once, else `--draws` times) with up to `--attempts`
 attempts; how the run would have ended after its first attempt is read off the same run. OUT gets a line a task as soon as
 that is done: the same command goes on where it was interrupted, and OUT.md gets the table. A row of it: planned tasks, runs, the
 share at the goal, claims that are wrong either way, objects out of the hand, runs of which nothing is claimed, wrong edges
 among those felt, |felt x − true x| (median, 95 %), seconds that a probe takes, and runs at the goal before their first probe
-that were not after it (spoiled) and the other way round (mended).
+that were not after it (spoiled) and the other way round (mended). `--stop-outside` stops a run that leaves its band and feels, instead of
+finishing it.
 """
 
 import argparse
@@ -21,12 +22,14 @@ from pathlib import Path
 
 import numpy as np
 
+from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.outcomes import AT_GOAL, LOST, UNKNOWN
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planner.legs import leg_of
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.simulation.closed_loop import LoopOptions
 from wholearm_ros.simulation.outcome import outcome
 from wholearm_ros.suite.attempts import Attempts
 from wholearm_ros.suite.execution import execute
@@ -179,6 +182,9 @@ def main() -> None:
     parser.add_argument('--seed', type=int, default=0)
     parser.add_argument('--backend', default='pybullet')
     parser.add_argument('--time-budget', type=float, default=PlanRequest.time_budget)
+    parser.add_argument(
+        '--stop-outside', action='store_true', help='stop a run that leaves its band'
+    )
     options = parser.parse_args()
     asked = {k: v for k, v in vars(options).items() if k not in ('json', 'jobs', 'suites', 'tasks')}
     done = before(options.json, asked)
@@ -197,6 +203,7 @@ def main() -> None:
             PlanRequest(seed=options.seed, time_budget=options.time_budget),
             attempts=options.attempts,
             backend=options.backend,
+            loop=LoopOptions(controls=ControlOptions(stop_outside=options.stop_outside)),
         ),
     )
     begin(options.json, [asked, *done])

@@ -18,16 +18,27 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from launch import LaunchDescription
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
-from wholearm_ros.model.choices import Pacing, Search, Storage, Transition, values
+from wholearm_ros.model.choices import Hardware, Pacing, Search, Storage, Transition, values
+from wholearm_ros.package_share import NODE_PARAMETERS, share_directory
 
 ARGUMENTS = (
     ('scenario', '', 'scenario file, or the name of a shipped one; empty: the asymmetric hexagon'),
     ('namespace', 'wholearm', 'of every node'),
     ('pacing', Pacing.realtime.value, ' or '.join(values(Pacing))),
     ('rate', '1000.0', 'of the motors [Hz]'),
-    ('backend', DEFAULT_BACKEND, ', '.join(BACKENDS)),
-    ('hardware', 'true', 'false: no simulated hand, one of yours publishes joint_states'),
+    (
+        'hardware',
+        DEFAULT_BACKEND,
+        f'simulated ({", ".join(BACKENDS)}); none: one of yours publishes joint_states; '
+        'ros2_control: by ros2_control_bridge, which you activate',
+    ),
+    (
+        'params',
+        str(share_directory() / 'config' / NODE_PARAMETERS),
+        'parameter file for every node',
+    ),
     ('view', 'false', "PyBullet's window"),
+    ('perturb', '0.0', 'level of errors of the simulated hand, unknown to the planner'),
     ('seed', '0', 'of everything drawn at random in planning'),
     ('search', Search.best.value, ' or '.join(values(Search))),
     (
@@ -58,8 +69,13 @@ def generate_launch_description():
             executable=executable,
             namespace=LaunchConfiguration('namespace'),
             output='screen',
-            parameters=[parameters],
+            parameters=[LaunchConfiguration('params'), parameters],
             **more,
+        )
+
+    def hardware_is_one_of(kinds):
+        return IfCondition(
+            PythonExpression(["'", LaunchConfiguration('hardware'), f"' in {tuple(kinds)}"])
         )
 
     scenario, pacing = {'scenario': text('scenario')}, {'pacing': text('pacing')}
@@ -82,10 +98,17 @@ def generate_launch_description():
                 **pacing,
                 **loop,
                 **rate,
-                'backend': text('backend'),
+                'backend': text('hardware'),
                 'view': number('view', bool),
+                'perturb': number('perturb', float),
+                'perturb_number': number('seed', int),
             },
-            condition=IfCondition(LaunchConfiguration('hardware')),
+            condition=hardware_is_one_of(BACKENDS),
+        ),
+        node(
+            'ros2_control_bridge',
+            {**scenario, **loop},
+            condition=hardware_is_one_of((Hardware.ros2_control.value,)),
         ),
         node('mode_switcher', {**pacing, **loop, 'probe': number('probe', bool)}),
         node('velocity_controller', {**scenario, **loop}),

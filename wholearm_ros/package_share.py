@@ -9,14 +9,15 @@ from typing import Union
 from wholearm_ros.errors import ScenarioError, WholeArmError
 
 DEFAULT_SCENARIO = 'asymmetric_hexagon'
-NODE_PARAMETERS = 'control.yaml'  # in config/, too, but no scenario
+# In config/, too, but no scenarios.
+NODE_PARAMETERS, ROS2_CONTROL = 'control.yaml', 'ros2_control.yaml'
 
 
 def share_directory() -> Path:
     """The directory of config/ and launch/: the source tree first, so that an edited file counts at
     once.
     """
-    package = Path(__file__).resolve().parents[1]
+    package = Path(__file__).resolve().parent
     places = [
         package.parent,
         Path(sys.prefix) / 'share' / 'wholearm_ros',
@@ -33,7 +34,7 @@ def share_directory() -> Path:
 def shipped_scenarios() -> dict[str, Path]:
     """Name → file of every scenario that ships with the package."""
     found = sorted((share_directory() / 'config').glob('*.yaml'))
-    return {path.stem: path for path in found if path.name != NODE_PARAMETERS}
+    return {path.stem: path for path in found if path.name not in (NODE_PARAMETERS, ROS2_CONTROL)}
 
 
 def scenario_path(name: Union[str, Path] = '') -> Path:

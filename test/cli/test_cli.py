@@ -19,7 +19,7 @@ def wholearm(*arguments):
 
 
 @pytest.mark.parametrize(
-    'command', ['', 'plan', 'simulate', 'map', 'suite', 'check-hand', 'version']
+    'command', ['', 'plan', 'advise', 'simulate', 'map', 'suite', 'check-hand', 'version']
 )
 def test_help_names_an_example(command):
     told = wholearm(*command.split(), '--help')
@@ -215,3 +215,24 @@ def test_map_writes_what_can_be_turned(tmp_path, monkeypatch):
     assert len(document['edges']) + len(document['refused']) >= 12
     assert done.exit_code == (0 if document['edges'] else 1) and 'ordered pairs' in done.output
     assert '<h1>Face map' in page.read_text()
+
+
+def test_no_plan_names_the_command_that_looks_for_a_change(tmp_path):
+    told = wholearm('plan', HEXAGON, '--time-budget', '0')
+    assert told.exit_code == 1 and f'wholearm advise {HEXAGON}' in told.output.replace('\n', '')
+
+
+def test_advice_that_none_is_needed(tmp_path):
+    out, saved = tmp_path / 'advice.json', tmp_path / 'same.json'
+    told = wholearm('advise', HEXAGON, '--json', out, '--save', saved)
+    assert told.exit_code == 0 and 'no change is needed' in told.output
+    document = json.loads(out.read_text())
+    assert document['format'] == 'wholearm-advice/1' and document['as_it_is']['works']
+    assert document['tried'] == [] and document['change'] is None
+    assert document['as_it_is']['certificate']['lower_bound'] >= 0.8
+    assert wholearm('plan', saved).exit_code == 0
+
+
+def test_advice_ends_with_its_budget():
+    told = wholearm('advise', HEXAGON, '--time-budget', '0')
+    assert told.exit_code == 1 and 'no change found' in told.output

@@ -73,6 +73,18 @@ def test_a_stop_holds_from_the_next_period_on_and_takes_no_command_until_the_res
     assert made.state == BRAKE and made.command(0, 6000 * MS, 1.0, 6000 * MS)
 
 
+def test_stamped_on_arrival_any_stamp_within_the_tolerance_or_none_counts_as_now():
+    made = CommandWatchdog(LIMITS, 15 * MS, 500 * MS, tolerance=100 * MS)
+    made.reset(1000 * MS)
+    for stamp in (0, 900 * MS, 1100 * MS):
+        assert all(made.command(k, stamp, 1.0, 1000 * MS) for k in (0, 1))
+        assert made.both_at(1000 * MS)
+    assert not made.command(0, 899 * MS, 2.0, 1000 * MS)
+    assert not made.command(1, 1101 * MS, 2.0, 1000 * MS) and made.late == 2
+    assert made.decide(1015 * MS).tolist() == [1.0, 1.0]
+    assert made.decide(1016 * MS) is None and made.state == HOLD, 'fresh is what has just arrived'
+
+
 @given(
     st.lists(
         st.tuples(st.integers(0, 1), st.integers(-10, 60), st.floats(-1e9, 1e9), st.booleans()),

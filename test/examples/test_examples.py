@@ -74,3 +74,18 @@ def test_importing_the_package_imports_no_room():
     code = "import sys, wholearm_ros; print([m for m in sys.modules if 'numpy' in m or 'wholearm_ros.' in m])"
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == '[]'
+
+
+def test_the_notebook_runs(tmp_path, monkeypatch):
+    """Every cell, in a kernel of its own; it is kept without outputs."""
+    nbformat = pytest.importorskip('nbformat', reason='nbclient is not installed')
+    client = pytest.importorskip('nbclient', reason='nbclient is not installed')
+    monkeypatch.setenv('PYTHONPATH', str(ROOT))
+    notebook = nbformat.read(ROOT / 'examples' / '7_notebook.ipynb', as_version=4)
+    nbformat.validate(notebook)
+    code = [cell for cell in notebook.cells if cell.cell_type == 'code']
+    assert not any(cell.outputs for cell in code)
+    resources = {'metadata': {'path': str(tmp_path)}}
+    client.NotebookClient(notebook, timeout=200, resources=resources).execute()
+    told = ''.join(out.get('text', '') for cell in code for out in cell.outputs)
+    assert 'of 5 at the goal' in told and (tmp_path / 'figures' / 'film_strip.png').exists()

@@ -131,3 +131,25 @@ def test_penetration_is_the_depth_of_the_deepest_pair():
     assert deepest_penetration(world, q)[0] < 1e-9
     depth, pair = deepest_penetration(world, q - [0.0, 0.003, 0.0, 0.0, 0.0])
     assert depth == pytest.approx(0.003, abs=1e-9) and 'palm' in pair
+
+
+@pytest.mark.parametrize('digits', [4, 5, 6])
+def test_a_start_written_with_few_digits_is_in_contact(digits):
+    """As a final pose is printed: it lies on its edge, and both fingers touch."""
+    exact = start_configuration(ASYMMETRIC)
+    q = np.round(exact, digits)
+    told = replace(ASYMMETRIC, start=StartAtPose(q[:3], q[3:]))
+    found = start_configuration(told)
+    assert found == pytest.approx(exact, abs=10.0**-digits)
+    assert len(closed_pairs(build_world(told), found)) == len(
+        closed_pairs(build_world(ASYMMETRIC), exact)
+    )
+    assert np.array_equal(
+        start_configuration(replace(told, start=StartAtPose(found[:3], found[3:]))), found
+    )
+
+
+def test_a_start_away_from_contact_stays_as_it_is():
+    q = start_configuration(ASYMMETRIC) + [0.0, 4e-4, 5e-3, 0.02, -0.02]
+    told = replace(ASYMMETRIC, start=StartAtPose(q[:3], q[3:]))
+    assert np.array_equal(start_configuration(told), q)

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import venv
 from importlib import metadata
 from pathlib import Path
@@ -61,7 +62,7 @@ def imported() -> dict:
 def test_what_is_imported_is_declared():
     """Not merely there because something else brought it; ROS packages may come with the wheels of ROS."""
     providers = metadata.packages_distributions()
-    direct = declared('pybullet', 'mujoco', 'ros-wheels', 'cluster')
+    direct = declared('pybullet', 'mujoco', 'ros-wheels', 'cluster', 'console')
     of_ros = with_dependencies({name for name in direct if name.startswith('ros-')})
     undeclared = {
         module: files[:3]
@@ -75,18 +76,24 @@ def test_what_is_imported_is_declared():
 
 
 @pytest.fixture(scope='module')
-def installed(tmp_path_factory) -> Path:
+def tree(tmp_path_factory) -> Path:
+    """A copy of the repository to build from."""
+    copy = tmp_path_factory.mktemp('tree') / 'wholearm_ros'
+    ignored = shutil.ignore_patterns(
+        '.git', '.*_cache', '.venv', 'runs', 'build', 'install', 'log', '*.egg-info', '__pycache__'
+    )
+    shutil.copytree(ROOT, copy, ignore=ignored, symlinks=True)
+    return copy
+
+
+@pytest.fixture(scope='module')
+def installed(tree, tmp_path_factory) -> Path:
     """The bin/ of a fresh environment that holds the wheel and its declared requirements, and nothing else.
 
     The requirements are links to those of this environment (nothing is downloaded), only what setup.py asks for and
     what that asks for: a module that the test tools alone brought is not there.
     """
     base = tmp_path_factory.mktemp('wheel')
-    tree = base / 'tree'
-    ignored = shutil.ignore_patterns(
-        '.*', 'runs', 'build', 'install', 'log', '*.egg-info', '__pycache__', 'test'
-    )
-    shutil.copytree(ROOT, tree, ignore=ignored, symlinks=True)
     pip = [sys.executable, '-m', 'pip', '-q', '--disable-pip-version-check']
     wheel_command = [
         *pip,
@@ -139,7 +146,27 @@ def test_the_wheel_alone_plans_simulates_and_reports_from_another_directory(inst
     assert executed.returncode == 0, executed.stdout + executed.stderr
     reported = _run(tmp_path, installed / 'wholearm', 'report', 'run.json', '-o', 'report.html')
     assert reported.returncode == 0, reported.stdout + reported.stderr
-    assert (tmp_path / 'report.html').stat().st_size > 1_000_000
+    assert (tmp_path / 'report.html').stat().st_size > 100_000
+
+
+def test_the_wheel_tells_what_it_is(installed):
+    [told] = installed.parent.glob('lib/python*/site-packages/wholearm_ros-*.dist-info/METADATA')
+    text = told.read_text()
+    assert '# wholearm_ros' in text and 'Classifier: Operating System :: POSIX :: Linux' in text
+    assert 'Description-Content-Type: text/markdown' in text
+    assert '](docs/' not in text and '](config/' not in text  # they lead nowhere off the repository
+
+
+def test_the_source_distribution_holds_docs_and_tests(tree, tmp_path):
+    code = f'from setuptools import build_meta; build_meta.build_sdist({str(tmp_path)!r})'
+    _checked(tree, sys.executable, '-c', code)
+    [archive] = tmp_path.glob('*.tar.gz')
+    with tarfile.open(archive) as opened:
+        names = {name.partition('/')[2] for name in opened.getnames()}
+    assert {'docs/scenario.md', 'docs/images/scenario.png', 'examples/7_notebook.ipynb'} <= names
+    assert {'test/packaging/test_wheel.py', 'CITATION.cff', 'mkdocs.yml', 'Makefile'} <= names
+    assert {'config/wholearm.rviz', 'bags/README.md', '.ci/run'} <= names
+    assert not [name for name in names if '__pycache__' in name]
 
 
 def _run(directory: Path, *command) -> subprocess.CompletedProcess:
@@ -170,7 +197,8 @@ def _take_compiled_kernels(target: Path) -> None:
         if there.exists() and there.read_bytes() == source.read_bytes():
             stamp = source.stat()
             os.utime(there, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
-    for cached in PACKAGE.rglob('__pycache__/*.nb[ic]'):
+    compiled = PACKAGE.rglob('__pycache__/*.nb[ic]')
+    for cached in (*compiled, PACKAGE / 'kernels' / '__pycache__' / 'sources.sha256'):
         there = target / cached.relative_to(PACKAGE)
         there.parent.mkdir(exist_ok=True)
         shutil.copy2(cached, there)

@@ -7,12 +7,16 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 import typer
+from pydantic import BaseModel
 
+import wholearm_ros as wa
 from wholearm_ros.cli.main import app
 from wholearm_ros.model.scenario_file import parse_scenario
+from wholearm_ros.model.scenario_schema import ScenarioTable
 from wholearm_ros.model.yaml_text import parse_mapping
 
 from .test_sources import SUITE
@@ -23,9 +27,13 @@ OWN = (
     'CONTRIBUTING.md',
     'CHANGELOG.md',
     'docs/concepts.md',
+    'docs/index.md',
     'docs/your_polygon.md',
+    'docs/scenario.md',
+    'docs/gallery.md',
     'docs/your_hand.md',
     'docs/faces.md',
+    'docs/console.md',
     'docs/figures.md',
     'docs/performance.md',
     'bags/README.md',
@@ -36,6 +44,9 @@ OTHERS = ('docs/ros.md', 'docs/faults.md')  # written beside these; each may com
 
 # The graph at 250 Hz instead of 1000; a map of few places, each given up soon.
 SOONER = {'run': ['--rate', '250'], 'map': ['--range', '0', '--time-budget', '1']}
+
+
+LASTING = ('console',)  # until Ctrl-C: test/ros/test_console.py runs it
 
 
 def blocks(language: str):
@@ -131,7 +142,7 @@ def test_wholearm_commands_run_one_after_the_other(name, bag_mcap, tmp_path):
     for block in re.findall(r'```bash\n(.*?)```', (ROOT / name).read_text(), flags=re.S):
         for line in block.splitlines():
             words = shlex.split(line, comments=True)
-            if words[:1] == ['wholearm'] and '--scheduler' not in words:
+            if words[:1] == ['wholearm'] and words[1] not in LASTING and '--scheduler' not in words:
                 sooner = SOONER.get(words[1], [])
                 done = subprocess.run(
                     [sys.executable, '-m', 'wholearm_ros', *words[1:], *sooner],
@@ -149,7 +160,8 @@ def _parse(words):
     context = group.make_context('wholearm', list(words), resilient_parsing=True)
     _, command, _ = group.resolve_command(context, list(words))
     assert command is not None, words[0]
-    known = {option for parameter in command.params for option in parameter.opts}
+    params = command.params
+    known = {option for p in params for option in (*p.opts, *p.secondary_opts)}
     given = [word for word in words[1:] if word.startswith('-')]
     if words[0] == 'run' and '--pacing' not in known:
         pytest.skip('wholearm run needs ROS 2')
@@ -159,7 +171,7 @@ def _parse(words):
 @pytest.mark.parametrize('name', OWN)
 def test_links_lead_somewhere(name):
     here = (ROOT / name).parent
-    for target in re.findall(r'\]\(([^)#]+?)\)', (ROOT / name).read_text()):
+    for target in re.findall(r'\]\((?!https://)([^)#]+?)\)', (ROOT / name).read_text()):
         path = (here / target).resolve()
         relative = path.relative_to(ROOT).as_posix()
         assert path.exists() or relative in OTHERS, f'{name}: {target}'
@@ -167,8 +179,45 @@ def test_links_lead_somewhere(name):
 
 def test_images_are_used_and_small():
     text = ''.join((ROOT / name).read_text() for name in OWN)
-    for image in (ROOT / 'docs' / 'images').iterdir():
-        assert image.stat().st_size < 1 << 20 and f'images/{image.name}' in text
+    images = ROOT / 'docs' / 'images'
+    for image in images.rglob('*.*'):
+        assert image.stat().st_size < 1 << 20
+        assert f'images/{image.relative_to(images).as_posix()}' in text
+
+
+def test_the_documentation_builds_as_a_site_without_a_dead_link(tmp_path):
+    pytest.importorskip('mkdocs', reason='mkdocs-material is not installed')
+    site = tmp_path / 'site'
+    done = subprocess.run(
+        [sys.executable, '-m', 'mkdocs', 'build', '-q', '--strict', '-d', site],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    api = (site / 'api.html').read_text()
+    assert all(name in api for name in wa.__all__)
+    assert 'The first plan that is certified' in api  # a docstring
+    assert not re.findall(r'<(?:script|link)[^>]+(?:src|href)="https?:', api)
+
+
+def test_every_key_of_a_scenario_is_in_the_reference():
+    text = (ROOT / 'docs' / 'scenario.md').read_text()
+
+    def keys(model):
+        for key, field in model.model_fields.items():
+            yield key
+            for part in (field.annotation, *get_args(field.annotation)):
+                if isinstance(part, type) and issubclass(part, BaseModel):
+                    yield from keys(part)
+                for inner in get_args(part):
+                    if isinstance(inner, type) and issubclass(inner, BaseModel):
+                        yield from keys(inner)
+
+    named = set(re.findall(r'[a-z_]+', ' '.join(re.findall(r'`([^`]+)`', text))))
+    found = set(keys(ScenarioTable))
+    assert {'x_tolerance', 'felt', 'fingers', 'rotor_inertia', 'tilt_deg'} <= found <= named
 
 
 def test_layouts_name_topics_that_exist():
@@ -199,6 +248,33 @@ def test_the_foxglove_layout_is_of_the_shape_that_is_imported():
         and hand['sourceType'] == 'topic'
         and hand['controlMode'] == 'jointStates'
     )
+
+
+# ros2/rviz: rviz_default_plugins/plugins_description.xml, rviz_common's panel_factory.cpp.
+RVIZ = {
+    *(f'rviz_common/{name}' for name in ('Displays', 'Time')),
+    *(
+        f'rviz_default_plugins/{name}'
+        for name in ('Grid', 'RobotModel', 'MarkerArray', 'PoseWithCovariance', 'TF')
+    ),
+    *(f'rviz_default_plugins/{name}' for name in ('MoveCamera', 'Measure', 'TopDownOrtho')),
+}
+# Lichtblick, packages/suite-base/src/panels: the keys of a panel's configuration.
+FOXGLOVE = {
+    '3D': 'cameraState followTf followMode scene publish transforms topics layers imageMode',
+    'Plot': 'paths showLegend legendDisplay showPlotValuesInLegend showXAxisLabels showYAxisLabels '
+    'isSynced xAxisVal sidebarDimension foxglovePanelTitle',
+    'StateTransitions': 'paths isSynced',
+    'RawMessages': 'topicPath diffEnabled diffMethod diffTopicPath showFullMessageForDiff',
+    'DiagnosticSummary': 'topicToRender minLevel pinnedIds hardwareIdFilter sortByLevel',
+}
+
+
+def test_the_viewers_files_name_what_the_viewers_have():
+    text = (ROOT / 'config' / 'wholearm.rviz').read_text()
+    assert set(re.findall(r'Class: (\w+/\w+)', text)) == RVIZ
+    for name, config in json.loads(LAYOUT.read_text())['configById'].items():
+        assert set(config) <= set(FOXGLOVE[name.partition('!')[0]].split()), name
 
 
 def test_paths_of_the_foxglove_layout_are_fields_of_the_messages():

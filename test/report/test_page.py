@@ -31,14 +31,9 @@ def text(told):
     return run_page(*told)
 
 
-def own(text: str) -> str:
-    """The page without Plotly's code."""
-    return re.sub(r'<script>/\*\*.*?</script>', '', text, flags=re.S)
-
-
 def test_the_page_asks_for_nothing_from_outside(text):
     assert not re.findall(r'<(?:script|img|link|iframe)[^>]+(?:src|href)="(?!data:)', text)
-    assert 'REPORT = ' in text and '{{' not in own(text).split('<script>')[0] and len(text) < 8e6
+    assert 'REPORT = ' in text and '{{' not in text.split('<script>')[0] and len(text) < 1.5e6
 
 
 def test_data_cannot_end_its_script():
@@ -102,7 +97,7 @@ def opened(browser, path, width, height):
 
 
 def theme(browser, scheme, plot='plots') -> tuple:
-    """Colours of the page and of the plot's text once the system's theme is `scheme`."""
+    """Colours of the page and of the plot's lines once the system's theme is `scheme`."""
     browser.execute_cdp_cmd(
         'Emulation.setEmulatedMedia',
         {'features': [{'name': 'prefers-color-scheme', 'value': scheme}]},
@@ -110,7 +105,7 @@ def theme(browser, scheme, plot='plots') -> tuple:
     return tuple(
         browser.execute_async_script(
             'const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done(['
-            f"getComputedStyle(document.body).backgroundColor, document.getElementById('{plot}').layout.font.color])))"
+            f"getComputedStyle(document.body).backgroundColor, getComputedStyle(document.querySelector('#{plot} .grid')).stroke])))"
         )
     )
 
@@ -119,9 +114,10 @@ SLIDE = (
     "const s = document.getElementById('time'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));"
     "return [document.getElementById('object').getAttribute('transform'), document.getElementById('now').textContent]"
 )
-CURSOR = (
-    'const done = arguments[0]; requestAnimationFrame(() => setTimeout(() => {'
-    "const s = document.getElementById('plots').layout.shapes; done(s[s.length - 1].x0)}, 50))"
+CURSOR = "return +document.querySelector('#plots .cursor').dataset.at"
+KEYS = (
+    "document.activeElement.dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0], bubbles: true, cancelable: true}));"
+    "return +document.getElementById('time').value"
 )
 
 
@@ -134,7 +130,7 @@ def test_the_slider_moves_the_drawing_and_the_cursor(browser, told, text, tmp_pa
     assert len({transform for transform, _ in seen}) == 3 and all(
         f'{t:.2f} s' in now for t, (_, now) in zip((0.0, 1.0), seen)
     )
-    assert browser.execute_async_script(CURSOR) == pytest.approx(trajectory.duration, abs=0.01)
+    assert browser.execute_script(CURSOR) == pytest.approx(trajectory.duration, abs=0.01)
     light, dark = theme(browser, 'light'), theme(browser, 'dark')
     assert light[0] == 'rgb(255, 255, 255)' != dark[0] and light[1] != dark[1]
     browser.execute_script(SLIDE, 0.0)
@@ -148,6 +144,45 @@ def test_the_slider_moves_the_drawing_and_the_cursor(browser, told, text, tmp_pa
         "const done = arguments[0], s = document.getElementById('time');"
         'const wait = () => s.value > 0.1 ? done(true) : requestAnimationFrame(wait); wait()'
     )
+    assert browser.get_log('browser') == []
+
+
+def test_keys_step_play_and_choose_subgoals(browser, told, text, tmp_path):
+    path, plan = tmp_path / 'run.html', told[0]
+    path.write_text(text, encoding='utf-8')
+    opened(browser, path, *WIDTHS[0])
+    browser.execute_script(SLIDE, 1.0)
+    assert browser.execute_script(KEYS, 'ArrowRight') == pytest.approx(1.05)
+    assert browser.execute_script(KEYS, 'ArrowLeft') == pytest.approx(1.0)
+    browser.execute_script(KEYS, ' ')
+    assert browser.execute_script("return document.getElementById('play').textContent") == 'Pause'
+    browser.execute_script(KEYS, ' ')
+    browser.execute_script(f"document.getElementById('subgoal-{plan.path[0]}').focus()")
+    assert browser.execute_script(KEYS, 'Enter') < 0.1
+    browser.execute_script(f"document.getElementById('subgoal-{plan.path[-1]}').focus()")
+    assert browser.execute_script(KEYS, 'Enter') > 1.0
+    assert browser.get_log('browser') == []
+
+
+HOVER = (
+    "const svg = document.querySelector('#plots svg'), box = svg.getBoundingClientRect();"
+    'svg.dispatchEvent(new PointerEvent(arguments[1], {clientX: box.left + arguments[0] * box.width, clientY: box.top + 40, bubbles: true}));'
+    "return document.querySelector('#plots .tip').textContent"
+)
+
+
+@pytest.mark.parametrize('width, height', WIDTHS)
+def test_a_plot_tells_its_values_and_a_press_goes_there(browser, text, tmp_path, width, height):
+    path = tmp_path / 'run.html'
+    path.write_text(text, encoding='utf-8')
+    opened(browser, path, width, height)
+    told = browser.execute_script(HOVER, 0.5, 'pointermove')
+    assert 'time [s]' in told and 'planned' in told and 'executed' in told and 'mrad' in told
+    browser.execute_script(HOVER.replace('PointerEvent', 'MouseEvent'), 0.5, 'click')
+    at = browser.execute_script("return +document.getElementById('time').value")
+    assert float(told.split()[2]) == pytest.approx(at, abs=0.015)
+    clipped = "return [...document.querySelectorAll('.scroll')].filter(e => !e.id && e.scrollWidth > e.clientWidth).length"
+    assert browser.execute_script(clipped) == 0
     assert browser.get_log('browser') == []
 
 
@@ -187,6 +222,8 @@ def test_a_task_of_a_suite_opens_and_its_run_plays(browser, suite_text, tmp_path
         'return document.documentElement.scrollWidth <= window.innerWidth'
     )
     assert theme(browser, 'light', 'times') != theme(browser, 'dark', 'times')
+    assert browser.execute_script("return document.querySelectorAll('#times .bar').length") == 2
+    assert browser.execute_script("return document.querySelector('#tiles .shape polygon') !== null")
     browser.execute_script("document.querySelectorAll('#tiles button')[1].click()")
     assert 'exhausted' in browser.execute_script(
         "return document.getElementById('details').textContent"

@@ -35,7 +35,10 @@ def test_the_stand_in_passes(graph, tmp_path):
         ['hand_hardware'], 'realtime', hand_hardware={'backend': 'planar', 'motor_rate': RATE}
     )
     graph.client.wait_for_publishers(120.0, ((channels.JOINT_STATES, 1),))
-    done, checks = check(tmp_path, '--move')
+    for _ in range(3):  # in real time a loaded machine may make any hand late
+        done, checks = check(tmp_path, '--move')
+        if not mistakes(checks):
+            break
     assert not mistakes(checks) and None not in checks.values(), done.stdout
 
 

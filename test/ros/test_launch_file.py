@@ -6,12 +6,14 @@ the file is tried where ROS 2 is installed.
 
 import runpy
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 from wholearm_ros.launcher.launcher import RunOptions, node_parameters
+from wholearm_ros.model.choices import Hardware
 
 FILE = Path(__file__).parents[2] / 'launch' / 'wholearm.launch.py'
 NAMES = {
@@ -54,9 +56,13 @@ def description(monkeypatch):
 
 def test_the_nodes_and_their_parameters_are_those_of_the_launcher(description):
     started = {
-        node.named['executable']: set(node.named['parameters'][0]) for node in description['Node']
+        node.named['executable']: set(node.named['parameters'][-1]) for node in description['Node']
     }
-    wanted = node_parameters(RunOptions('asymmetric_hexagon', record=Path('bag')))
+    run = RunOptions('asymmetric_hexagon', record=Path('bag'))
+    wanted = {
+        **node_parameters(run),
+        **node_parameters(replace(run, hardware=Hardware.ros2_control.value)),
+    }
     assert started == {name: set(parameters) for name, parameters in wanted.items()}
 
 

@@ -13,7 +13,8 @@ from rich.console import Console
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-from wholearm_ros.launcher.live_view import BAR, moment_of, picture, torque_bar, view_on
+from wholearm_ros.launcher.drawing import draw_outlines
+from wholearm_ros.launcher.live_view import BAR, draw_hand, moment_of, picture, torque_bar, view_on
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.planner import plan_and_verify
@@ -79,6 +80,25 @@ def test_the_picture_tells_mode_time_angles_and_roles(trajectory):
         f'{CLOSING[segment.torque_finger] * trajectory.sample(t).efforts[segment.torque_finger]:+.2f} N m'
         in text
     )
+
+
+def test_outlines_are_dots_of_braille():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) * 7.5
+    assert draw_outlines([square], (0.0, 8.0, 0.0, 8.0), 4) == '⡏⠉⠉⢹\n⣇⣀⣀⣸'
+    assert draw_outlines([square + 100.0], (0.0, 8.0, 0.0, 8.0), 4) == '⠀⠀⠀⠀\n⠀⠀⠀⠀'
+
+
+def test_the_hand_is_drawn_and_moves(config, trajectory):
+    scenario = load_scenario(config / 'asymmetric_hexagon.yaml')
+    drawn = [
+        draw_hand(scenario, trajectory, t, trajectory.sample(t).angles)
+        for t in (0.0, 0.5 * trajectory.duration)
+    ]
+    assert drawn[0] != drawn[1]
+    for text in drawn:
+        assert all(len(line) == BAR for line in text.splitlines()) and text.strip('⠀\n')
+    moment = replace(moment_at(trajectory, 0.5), drawing=drawn[0])
+    assert drawn[0].splitlines()[1] in shown(picture('executing', moment))
 
 
 def test_where_there_is_no_terminal_each_step_is_one_line():

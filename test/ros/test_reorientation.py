@@ -6,10 +6,14 @@ import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from ros_graph import ALL, LOOP, WHOLE
 
+from wholearm_ros.model.perturbation import draw_perturbation
 from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
+from wholearm_ros.report.bag_run import read_runs
+from wholearm_ros.report.html.write import write_report
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.messages import FEEL_GOAL, goal_message, goal_name
 
@@ -141,3 +145,28 @@ def test_a_start_that_nobody_told_is_felt_and_turned_onto_an_edge_by_any_way(gra
         0.01, abs=2e-3
     )
     assert graph.client.latest.plan.scenario.goal.direction == 'ccw'
+
+
+def test_what_did_not_arrive_is_felt_planned_again_and_told_in_a_row(graph, tmp_path):
+    """Another outline lies in the hand than everybody believes, some millimetres off at its vertices."""
+    believed = load_scenario('asymmetric_hexagon')
+    truth = draw_perturbation(np.random.default_rng(12), 6.0, believed).applied(believed)
+    graph.start(('bag_recorder',), bag_recorder={'path': str(tmp_path / 'bag')})
+    supervised(
+        graph,
+        hand_hardware={**QUICK['hand_hardware'], 'scenario': json.dumps(scenario_to_dict(truth))},
+    )
+    graph.client.reorient()
+    result = reached(graph)
+    tries = json.loads(result['tries'])
+    assert int(result['attempts']) == sum(one['planned'] for one in tries) >= 2, tries
+    assert tries[0]['claimed'] == 'elsewhere' and tries[0]['felt_edge'] != '5'
+    graph.client.watch = lambda: None
+    graph.processes.stop()
+    recorded = read_runs(tmp_path / 'bag')
+    assert len(recorded.runs) == int(result['attempts'])
+    assert [m['claimed'] for m in recorded.motions] == [one['claimed'] for one in tries]
+    starts = [plan.scenario.start.edge for plan, _, _ in recorded.runs]
+    assert starts[:2] == [believed.start.edge, int(tries[0]['felt_edge'])]
+    written = write_report([tmp_path / 'bag'], tmp_path / 'report.html').read_text()
+    assert written.count('data-page="') == len(tries)

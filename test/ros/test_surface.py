@@ -8,9 +8,10 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.srv import GetParameters
 
-from wholearm_ros.launcher.client import Client
+from wholearm_ros.launcher.client import Client, GraphError
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.messages import NANOSECONDS, to_nanoseconds
+from wholearm_ros.ros.node.node import DOUBLE
 
 pytestmark = pytest.mark.timeout(280)
 CONTROL = Path(__file__).parents[2] / 'config' / 'control.yaml'
@@ -76,6 +77,19 @@ def test_two_graphs_in_two_namespaces_do_not_hear_each_other(graph):
             assert len(described) == len(heard) == 1
         finally:
             second.close()
+
+
+def test_a_second_node_of_one_name_is_noticed_by_both_and_by_the_launcher(graph, node_process):
+    told = []
+    graph.node.create_subscription(DiagnosticArray, '/diagnostics', told.append, channels.RELIABLE)
+    graph.client.wait_until_alone(['velocity_controller'], 5.0)
+    for _ in range(2):
+        node_process('velocity_controller')
+    graph.wait(
+        lambda: [s.message for m in told[-2:] for s in m.status] == [DOUBLE, DOUBLE], 'both say so'
+    )
+    with pytest.raises(GraphError, match='velocity_controller: there already'):
+        graph.client.wait_until_alone(['velocity_controller'], 2.0)
 
 
 def test_simulated_time_is_honoured(graph, node_process):

@@ -10,6 +10,7 @@ from rosbags.highlevel import AnyReader
 
 from wholearm_ros.bag.reader import Bag, stamp_of
 from wholearm_ros.bag.types import jazzy_typestore
+from wholearm_ros.report.bag_run import read_runs
 from wholearm_ros.ros.interface import channels
 
 pytestmark = pytest.mark.timeout(280)
@@ -73,7 +74,7 @@ def test_the_asymmetric_hexagon_reaches_its_goal_and_the_bag_has_it_all(config, 
 
 def test_the_regular_hexagon_at_1000_hz_on_the_planar_stand_in(config, domain):
     success, message, _, _ = lockstep(
-        config, 'regular_hexagon', backend='planar', seed=3, probe=False
+        config, 'regular_hexagon', hardware='planar', seed=3, probe=False
     )
     assert success, message
 
@@ -123,3 +124,62 @@ def test_the_command_refuses_bad_input_and_leaves_nothing(tmp_path, domain):
         timeout=60,
     )
     assert done.returncode == 2 and 'bad.yaml' in done.stderr
+
+
+def test_a_run_with_errors_of_the_hand_is_judged_by_the_true_object(tmp_path, domain):
+    """Whether it arrives is not told here, but that what is said of the end is true of it."""
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'run', '--pacing', 'lockstep', '--perturb', '2']
+        + [
+            '--seed',
+            '3',
+            '--rate',
+            '250',
+            '--backend',
+            'planar',
+            '--record',
+            str(tmp_path / 'bag'),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
+    assert done.returncode in (0, 1), done.stdout + done.stderr
+    run = read_runs(tmp_path / 'bag').runs[-1][2]
+    assert (done.returncode == 0) == run.judged.executed
+    assert abs(run.judged.gap) < 1e-4, 'judged with another outline than the true one'
+
+
+def test_the_command_lays_the_object_on_one_face_after_the_other(tmp_path, domain):
+    command = ['run', 'asymmetric_hexagon', '--sequence', '5,1', '--pacing', 'lockstep']
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', *command, '--rate', '250', '--backend', 'planar']
+        + ['--record', str(tmp_path / 'bag')],
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert '2 of 2 faces reached' in done.stdout
+    assert 'edge 5 after 1 attempt: succeeded' in done.stdout
+    assert 'edge 1 after 1 attempt: succeeded' in done.stdout
+    starts = [plan.scenario.start for plan, _, _ in read_runs(tmp_path / 'bag').runs]
+    assert [start.edge for start in starts] == [0, 5]
+
+
+@pytest.mark.parametrize(
+    'more, said',
+    [
+        (['--sequence', '5;1'], 'numbers of edges'),
+        (['--sequence', '5,9'], 'edge'),
+        (['--sequence', '5', '--goal-edge', '1'], 'one of the two'),
+    ],
+)
+def test_a_bad_sequence_is_refused_before_anything_starts(more, said):
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'run', 'asymmetric_hexagon', *more],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 2 and said in done.stderr

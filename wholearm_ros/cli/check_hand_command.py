@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from wholearm_ros.cli.options import JsonOption
+from wholearm_ros.cli.options import JsonOption, scenario_argument
 from wholearm_ros.cli.output import err, finish, print_plain, write_json
 from wholearm_ros.launcher.hand_check import check_hand as examine
 from wholearm_ros.launcher.hand_check import plan_of_motion
@@ -20,11 +20,7 @@ SAID = {True: 'pass', False: 'FAIL', None: '-'}
 def check_hand(
     scenario: Annotated[
         str,
-        typer.Argument(
-            metavar='[SCENARIO]',
-            help='With the lengths, masses and limits of the hand.',
-            show_default='asymmetric_hexagon',
-        ),
+        scenario_argument('With the lengths, masses and limits of the hand.'),
     ] = '',
     move: Annotated[
         bool, typer.Option('--move', help='Move each finger by a little, too: keep clear.')

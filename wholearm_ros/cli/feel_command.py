@@ -5,7 +5,13 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from wholearm_ros.cli.options import BackendOption, JsonOption, PacingOption, RateOption
+from wholearm_ros.cli.options import (
+    BackendOption,
+    JsonOption,
+    PacingOption,
+    RateOption,
+    scenario_argument,
+)
 from wholearm_ros.cli.output import err, finish, graph_at_work, out, print_plain, write_json
 from wholearm_ros.launcher.feel import feel_graph
 from wholearm_ros.launcher.launcher import RunOptions
@@ -21,11 +27,7 @@ EPILOG = 'Exit codes: 0 the object lies on a known edge, 1 nothing or not known,
 def feel(
     scenario: Annotated[
         str,
-        typer.Argument(
-            metavar='[SCENARIO]',
-            help='Whose object is believed to be there; its start is not used.',
-            show_default='asymmetric_hexagon',
-        ),
+        scenario_argument('Whose object is believed to be there; its start is not used.'),
     ] = '',
     in_hand: Annotated[
         str,
@@ -49,7 +51,7 @@ def feel(
     held = scenario_path(in_hand).absolute() if in_hand else path
     for name in (path, held):
         load_scenario(name)
-    options = RunOptions(str(path), pacing=pacing.value, rate=rate, backend=backend.value)
+    options = RunOptions(str(path), pacing=pacing.value, rate=rate, hardware=backend.value)
     with graph_at_work():
         told = feel_graph(options, str(held), lambda line: err.print(escape(line)))
     known = bool(told.get('felt_edge'))

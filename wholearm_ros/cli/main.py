@@ -14,15 +14,18 @@ from wholearm_ros.errors import WholeArmError
 
 COMMANDS = {
     'plan': 'Plan a scenario: contact states, the trajectory through them, verified.',
+    'advise': 'Find the smallest change that gives a scenario without a plan one.',
     'simulate': 'Execute a plan on a simulated hand, without ROS.',
     'map': 'Find out from which face to which an object can be turned, and how surely.',
     'suite': 'Plan and execute many scenarios, and count what reached its goal.',
     'report': 'Write what happened as one HTML file.',
     'run': 'Plan and execute on the ROS 2 graph, each node a process.',
+    'console': 'See the hand live in the browser, and command it (needs ROS 2).',
     'feel': 'Feel what lies in the hand, before anything is planned (needs ROS 2).',
     'check-hand': 'Check your own hand against the contract (needs ROS 2).',
     'version': 'Print the version.',
 }
+CONSOLE_TOO = ", and the extra: pip install 'wholearm_ros[console]'"
 HELP = {'help_option_names': ['-h', '--help']}
 
 
@@ -108,7 +111,8 @@ def _unavailable(name: str, missing: str) -> TyperCommand:
     def command() -> None:
         """Not available here."""
         print_error(
-            f'{name}: {missing}; allowed: a sourced ROS 2 Jazzy, or its wheels installed. '
+            f'{name}: {missing}; allowed: a sourced ROS 2 Jazzy, or its wheels installed'
+            f'{CONSOLE_TOO if name == "console" else ""}. '
             '`wholearm simulate` does without ROS.'
         )
         raise typer.Exit(BAD_INPUT)

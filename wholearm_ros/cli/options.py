@@ -38,6 +38,11 @@ def output_file(name: str, text: str, default: bool | str = True) -> Any:
     )
 
 
+def scenario_argument(text: str) -> Any:
+    """Argument that may be left out: then it is the asymmetric hexagon; text: its help."""
+    return typer.Argument(metavar='[SCENARIO]', help=text, show_default='asymmetric_hexagon')
+
+
 ScenarioName = Annotated[
     str,
     typer.Argument(

@@ -18,7 +18,7 @@ from wholearm_ros.cli.options import (
     TransitionOption,
 )
 from wholearm_ros.cli.output import finish, print_plain, write_text
-from wholearm_ros.cli.planning import load_asked, plan_scenario
+from wholearm_ros.cli.planning import advice_for, load_asked, plan_scenario
 from wholearm_ros.model.choices import Search, Transition
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.figures.figures import write_search_figures
@@ -55,4 +55,6 @@ def plan(
     if figures is not None:
         for written in write_search_figures(figures, result.plan):
             print_plain(f'figure {written}')
+    if result.trajectory is None:
+        print_plain(advice_for(scenario))
     finish(result.trajectory is not None)

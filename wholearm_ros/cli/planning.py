@@ -61,10 +61,20 @@ def print_plan(result: PlanResult) -> None:
         )
         if plan.certificate is not None:
             print_plain(f'certificate: {plan.certificate}')
-        print_plain(f'id {plan.id}; {plan.reason}')
+        print_plain(f'route: {_route(plan)}; plan {plan.id}')
     counts = [f'{value} {name.replace("_", " ")}' for name, value in plan.counts.items()]
     times = [f'{k.removesuffix("_ms")} {v:.0f} ms' for k, v in result.timings.items()]
     print_plain(f'search: {", ".join(counts)}; {", ".join(times)}')
+
+
+def _route(plan: ContactPlan) -> str:
+    """How sure its torques are; in the words of the search where it does not say."""
+    margin = plan.cost.get('margin')
+    if margin is None:
+        return plan.reason
+    if margin <= 0.0:
+        return 'no torque margin at its narrowest place'
+    return f'torque margin {margin:.3f} N m at its narrowest place'
 
 
 def _survived(verified: Verification | None) -> str:
@@ -72,6 +82,11 @@ def _survived(verified: Verification | None) -> str:
         return "from the object's map"
     told = verified.to_dict()
     return f'{told["survived"]} of {told["copies"]} simulated samples reach the goal'
+
+
+def advice_for(scenario: str) -> str:
+    """What to do next when the scenario of this name or file has no plan."""
+    return f'wholearm advise {scenario} looks for the smallest change that has a plan'
 
 
 def read_plan(name: str) -> tuple[ContactPlan, ManipulationTrajectory] | None:

@@ -14,22 +14,24 @@ from wholearm_ros.cli.options import (
     BudgetOption,
     GoalEdgeOption,
     PacingOption,
+    PerturbOption,
     RateOption,
     SearchOption,
     SeedOption,
     TransitionOption,
     ViewOption,
+    scenario_argument,
 )
 from wholearm_ros.cli.output import finish, graph_at_work, out
-from wholearm_ros.cli.planning import load_asked
+from wholearm_ros.cli.planning import advice_for, load_asked
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.figures import figures_of, figures_without_a_plan
 from wholearm_ros.launcher.launcher import RunOptions, RunReport, attempt_line, run_graph
 from wholearm_ros.launcher.live_view import view_on
 from wholearm_ros.model.backends import DEFAULT_BACKEND
-from wholearm_ros.model.choices import Backend, Pacing, Search, Storage, Transition
+from wholearm_ros.model.choices import Backend, Hardware, Pacing, Search, Storage, Transition
 from wholearm_ros.model.outcomes import AT_GOAL
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.package_share import scenario_path
 from wholearm_ros.planner.supervision import MAX_ATTEMPTS
@@ -39,13 +41,18 @@ from wholearm_ros.ros.interface.transport import choose_transport
 def run(
     scenario: Annotated[
         str,
-        typer.Argument(
-            metavar='[SCENARIO]',
-            help='Scenario file, YAML or JSON, or the name of a shipped one.',
-            show_default='asymmetric_hexagon',
-        ),
+        scenario_argument('Scenario file, YAML or JSON, or the name of a shipped one.'),
     ] = '',
     goal_edge: GoalEdgeOption = None,
+    sequence: Annotated[
+        str,
+        typer.Option(
+            '--sequence',
+            metavar='K,K,...',
+            help='Faces on which the object is laid one after the other, without a reset, instead '
+            'of the goal.',
+        ),
+    ] = '',
     pacing: PacingOption = Pacing.realtime,
     seed: SeedOption = 0,
     record: Annotated[
@@ -61,6 +68,7 @@ def run(
     view: ViewOption = False,
     rate: RateOption = 1000.0,
     backend: BackendOption = Backend(DEFAULT_BACKEND),
+    perturb: PerturbOption = 0.0,
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
@@ -75,9 +83,27 @@ def run(
         ),
     ] = MAX_ATTEMPTS,
     hardware: Annotated[
-        bool,
-        typer.Option(help='Start the simulated hand; --no-hardware: a hand of yours is there.'),
-    ] = True,
+        Hardware | None,
+        typer.Option(
+            '--hardware',
+            help='A simulated hand, by its physics; none: a hand of yours is there; ros2_control: '
+            'drives of yours under ros2_control, by our bridge.',
+            show_default=DEFAULT_BACKEND,
+        ),
+    ] = None,
+    no_hardware: Annotated[
+        bool, typer.Option('--no-hardware', help='The same as --hardware none.')
+    ] = False,
+    params: Annotated[
+        Path | None,
+        typer.Option(
+            '--params',
+            metavar='FILE',
+            exists=True,
+            dir_okay=False,
+            help='ROS parameter file for the nodes: joints of your drives, gains.',
+        ),
+    ] = None,
     network: Annotated[
         bool,
         typer.Option(
@@ -93,22 +119,30 @@ def run(
     _refuse_early(record, figures, view)
     choose_transport(network=network)
     path = scenario_path(scenario).absolute()
-    asked = load_asked(str(path), goal_edge)
+    faces = _faces(sequence)
+    first, then = (faces[0], faces[1:]) if faces else (goal_edge, [])
+    if sequence and goal_edge is not None:
+        raise WholeArmError('--sequence and --goal-edge: allowed: one of the two')
+    asked = load_asked(str(path), first)
+    for face in then:
+        load_asked(str(path), face)  # refused before anything is started
     options = RunOptions(
-        str(path) if goal_edge is None else json.dumps(scenario_to_dict(asked)),
+        str(path) if first is None else json.dumps(scenario_to_dict(asked)),
         pacing=pacing.value,
         seed=seed,
         record=record and record.absolute(),
         storage=storage.value,
         view=view,
         rate=rate,
-        backend=backend.value,
         search=search.value,
         transition=transition.value,
         time_budget=time_budget,
         probe=probe,
         attempts=attempts,
-        hardware=hardware,
+        hardware=_hardware(hardware, no_hardware, backend),
+        params=params and params.absolute(),
+        then=tuple(then),
+        perturb=perturb,
     )
     report = _run(asked, options)
     _print(report, options, str(path))
@@ -121,6 +155,23 @@ def run(
         for written in drawn:
             _line('report' if written.suffix == '.html' else 'figure', written)
     finish(report.success)
+
+
+def _faces(sequence: str) -> list[int]:
+    """Raises WholeArmError for anything but numbers with commas between them."""
+    try:
+        return [int(face) for face in sequence.split(',')] if sequence else []
+    except ValueError:
+        raise WholeArmError(
+            f'--sequence {sequence!r}: allowed: numbers of edges with commas, as 3,5,0'
+        ) from None
+
+
+def _hardware(asked: Hardware | None, none: bool, backend: Backend) -> str:
+    """What --hardware says; else what --no-hardware or --backend do."""
+    if asked is not None:
+        return asked.value
+    return Hardware.none.value if none else backend.value
 
 
 def _refuse_early(record: Path | None, figures: Path | None, view: bool) -> None:
@@ -146,18 +197,30 @@ def _run(scenario: Scenario, options: RunOptions) -> RunReport:
 
 
 def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
-    """The verdict first, then what led to it."""
+    """The verdict first, then what led to it; of a sequence the last goal, and a line for each."""
     judged = report.judged
-    if report.success:
+    sequence = (*report.before, report)
+    if len(sequence) > 1 or report.left:
+        good, all_of_them = sum(one.reached for one in sequence), len(sequence) + len(report.left)
+        colour = 'green' if report.success else 'red'
+        out.print(f'[bold {colour}]{good} of {all_of_them} faces reached[/]')
+        for one in sequence:
+            _line('goal', _face(one))
+        for face in report.left:
+            _line('goal', f'edge {face}: not tried: where the object lies is not known')
+    elif report.success:
         out.print(f'[bold green]success:[/] {_arrival(report)}')
     elif report.attempts:
-        reason = (judged.reason if judged else '') or report.result.get('reason', '')
+        truly = f' (truly: {judged.reason})' if judged and judged.reason else ''
+        reason = f'{report.result.get("reason", "")}{truly}'
         out.print(f'[bold red]not at the goal:[/] {escape(reason)}', soft_wrap=True)
     else:
         out.print(f'[bold red]not executed:[/] {escape(report.message)}', soft_wrap=True)
     _line('scenario', scenario)
     if report.planned:
         _line('plan', report.message.removeprefix('plan '))
+    elif not report.attempts:
+        _line('next', advice_for(scenario))
     _line('timings', _timings(report))
     if report.attempts:
         modes = [f'{mode} {seconds:.2f} s' for mode, seconds in report.modes.items() if seconds]
@@ -175,6 +238,16 @@ def _print(report: RunReport, options: RunOptions, scenario: str) -> None:
         )
     if options.record:
         _line('bag', options.record)
+
+
+def _face(report: RunReport) -> str:
+    goal, attempts = report.scenario.goal, sum(one['planned'] for one in report.attempts)
+    face = f'edge {goal.edge}' if isinstance(goal, GoalOnEdge) else 'pose'
+    truly = ''
+    if report.judged is not None and report.judged.executed != report.reached:
+        truly = ', though the object is ' + ('there' if report.judged.executed else 'not there')
+    said = f'{report.result.get("outcome")}{truly}: {report.result.get("reason")}'
+    return f'{face} after {attempts} attempt{"" if attempts == 1 else "s"}: {said}'
 
 
 def _arrival(report: RunReport) -> str:

@@ -3,11 +3,18 @@ stopped.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from wholearm_ros.model.hand import SIDES
+
 BRAKE, DRIVEN, HOLD = 'brake', 'driven', 'hold'
 ZERO_TORQUE, STOPPED = 'zero torque', 'stopped'
+WAITING_FOR_RESET = {  # state → what is told of it
+    ZERO_TORQUE: 'commands stopped: zero torque until hand_hardware/reset',
+    STOPPED: 'stopped on request: the drives hold until hand_hardware/reset',
+}
 
 
 class CommandWatchdog:
@@ -18,12 +25,20 @@ class CommandWatchdog:
     again; limp: hold lasted `hold_time`, zero torque until the reset; stopped: on request, the
     drives hold the fingers and take no command until the reset.
 
-    limits: (2,) largest torques [N m]; timeout, hold_time [ns]. late, saturated, trips: commands
+    limits: (2,) largest torques [N m]; timeout, hold_time [ns]; tolerance [ns]: None where commands
+    carry the stamps of the joint states they answer; else they count as stamped on arrival, and
+    their own stamps, if not zero, must be within it of the clock. late, saturated, trips: commands
     dropped, commands cut to the limit, times on hold; taken: commands of each joint.
     """
 
-    def __init__(self, limits: Sequence[float], timeout: int, hold_time: int) -> None:
-        self._limits = limits
+    def __init__(
+        self,
+        limits: Sequence[float],
+        timeout: int,
+        hold_time: int,
+        tolerance: int | None = None,
+    ) -> None:
+        self._limits, self._tolerance = limits, tolerance
         self._timeout, self._hold_time = timeout, hold_time
         self.late = self.saturated = self.trips = 0
         self.taken = [0, 0]
@@ -41,19 +56,41 @@ class CommandWatchdog:
         self.state = STOPPED
 
     def command(self, joint: int, stamp: int, effort: float, now: int) -> bool:
-        """Whether the command was taken: newer than the one before it and not from the future.
+        """Whether the command was taken: newer than the one before it and not from the future, or
+        within the tolerance.
 
         stamp, now [ns]; effort [N m], cut to the joint's limit.
         """
-        if not self.newest[joint] < stamp <= now or self.state in (ZERO_TORQUE, STOPPED):
+        if self._tolerance is None:
+            good = self.newest[joint] < stamp <= now
+        else:
+            good = stamp == 0 or abs(now - stamp) <= self._tolerance
+        if not good or self.state in WAITING_FOR_RESET:
             self.late += 1
             return False
         limit = self._limits[joint]
         self.saturated += abs(effort) > limit
-        self.newest[joint] = stamp
+        self.newest[joint] = stamp if self._tolerance is None else now
         self.taken[joint] += 1
         self.efforts[joint] = min(max(effort, -limit), limit)
         return True
+
+    def figures(self) -> dict[str, Any]:
+        """For /diagnostics."""
+        values: dict[str, Any] = {
+            'state': self.state,
+            'late commands': self.late,
+            'commands at the limit': self.saturated,
+            'watchdog trips': self.trips,
+        }
+        for side, taken, newest in zip(SIDES, self.taken, self.newest):
+            values.update({f'{side} commands': taken, f'{side} newest': newest})
+        return values
+
+    @property
+    def driven(self) -> bool:
+        """Whether fresh commands drove in the last period."""
+        return self.state == DRIVEN
 
     def both_at(self, stamp: int) -> bool:
         """Whether the newest command of either joint is the one of `stamp` [ns]."""

@@ -126,8 +126,8 @@ def _names(samples: Sequence[Sample]) -> Check:
         seen == {JOINT_NAMES} and full,
         '; '.join(', '.join(names) or 'no name' for names in sorted(seen))
         + ('' if full else '; columns of different length'),
-        f'every message names {JOINT_NAMES[0]}, {JOINT_NAMES[1]} in this order, with position, '
-        'velocity and effort of both',
+        f'every message names {JOINT_NAMES[0]} and {JOINT_NAMES[1]}, with position, velocity and '
+        'effort of both',
     )
 
 

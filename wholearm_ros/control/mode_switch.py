@@ -149,7 +149,7 @@ class ModeSwitch:
         """One period of the switch law, on joints that can be read."""
         switch, efforts = state.switch, state.first_efforts
         if switch is None or efforts is None:
-            switch, efforts = switch_at(now, NO_FINGER), readonly_pair(joints.efforts)
+            switch, efforts = switch_at(now, NO_FINGER), readonly_pair(joints.known_efforts)
         switch, motion, torque = switch_period(
             self._law, self._course, efforts, switch, now, joints.angles
         )

@@ -77,7 +77,7 @@ class Probing:
         """Probing begins at `now` [s] from where the fingers are."""
         found = float(joints.angles[self.probe.held])
         return ProbingState(
-            self._phases(found), 0, now, now, joints.angles.copy(), joints.efforts.copy()
+            self._phases(found), 0, now, now, joints.angles.copy(), joints.known_efforts
         )
 
     def _phases(self, found: float) -> tuple[Phase, ...]:

@@ -25,7 +25,7 @@ Setpoints = tuple[VelocitySetpoint, TorqueSetpoint]  # of the two fingers, one e
 @dataclass(frozen=True, eq=False)
 class Joints:
     """What the hand measures. stamp [s]; angles, velocities, efforts: (2,) [rad, rad/s, N m], left
-    then right.
+    then right; efforts are NaN where the drives measure none.
 
     Not refused when a number is not finite: the mode switch must see that and stop.
     """
@@ -37,12 +37,13 @@ class Joints:
 
     @property
     def finite(self) -> bool:
-        """Whether every number can be used."""
-        return bool(
-            np.isfinite(self.angles).all()
-            and np.isfinite(self.velocities).all()
-            and np.isfinite(self.efforts).all()
-        )
+        """Whether every angle and velocity can be used."""
+        return bool(np.isfinite(self.angles).all() and np.isfinite(self.velocities).all())
+
+    @property
+    def known_efforts(self) -> np.ndarray:
+        """(2,) [N m], zero where none is measured."""
+        return np.where(np.isfinite(self.efforts), self.efforts, 0.0)
 
 
 @dataclass(frozen=True)

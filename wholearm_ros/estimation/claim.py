@@ -20,7 +20,7 @@ from wholearm_ros.model.outcomes import (
     UNVERIFIED,
 )
 from wholearm_ros.model.probe import Probe
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario import Scenario, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
 LIKELY = 0.9  # probability that is enough for what the plan led to, when the fingers kept to it
@@ -59,6 +59,13 @@ class Claim:
         return (
             self.felt.best.x if self.felt is not None and self.felt.kind == LYING else float('nan')
         )
+
+    @property
+    def place(self) -> StartOnEdge | None:
+        """Where the object surely lies, None when that is not known."""
+        if self.outcome not in (AT_GOAL, ELSEWHERE) or not self.sure or not np.isfinite(self.x):
+            return None
+        return StartOnEdge(self.edge, self.x)
 
     def to_dict(self) -> dict[str, Any]:
         """For documents."""
@@ -148,9 +155,10 @@ def reported_claim(
     probe: Probe | None,
     said: dict[str, str],
     tracked: bool,
+    before: Felt | None = None,
 ) -> Claim:
     """The claim from what the mode switcher says after a probe: texts `pairs` (JSON) and
-    `interrupted`.
+    `interrupted`; before: see `Feeler.feel`.
     """
     try:
         pairs = np.array(json.loads(said.get('pairs') or '[]'), float).reshape(-1, 2)
@@ -160,7 +168,7 @@ def reported_claim(
         return Claim(
             UNVERIFIED, 'unverified: the trajectory was led to its end, and no probe was made'
         )
-    felt = feeler.feel(probe, pairs, said.get('interrupted', ''))
+    felt = feeler.feel(probe, pairs, said.get('interrupted', ''), before)
     return claim(feeler, scenario, felt, tracked)
 
 

@@ -3,14 +3,14 @@ be.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from wholearm_ros.estimation.hypotheses import alike, resting_hypotheses
-from wholearm_ros.estimation.squeeze import Prediction, Resting, SqueezeModel
+from wholearm_ros.estimation.squeeze import Resting, SqueezeModel
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.outcomes import LYING, NOTHING, UNKNOWN
 from wholearm_ros.model.probe import Probe
@@ -26,11 +26,26 @@ APART = 0.1
 FURTHEST_APART = 0.2  # [rad] by which the closing finger is then more open at most
 # [rad] by which the closing finger must have given way for the held one to be touching, too.
 PUSHED = 0.002
+CONTENDERS = 60.0  # log likelihood below the best from which a hypothesis is out of the question
+REFINEMENTS, SAME_OUTLINE = 3, 2e-5  # at most, and [m] between two outlines that end them
 FEWEST = 3  # such pairs from which something can be told
+MOST_APART = 4  # places at which the object may have lain off the held finger
 AT_STOP = 0.03  # [rad] from its stop: the closing finger met nothing
 SAME_PLACE = 0.003  # [m] both fingers say the same x
 
 Pair = tuple[float, float]  # angles [rad], left then right
+
+
+class Squeezes(NamedTuple):
+    """What a probe measured where both fingers touched: held, LEFT or RIGHT; pairs (k, 2) [rad]."""
+
+    held: int
+    pairs: np.ndarray
+
+    @property
+    def closing(self) -> int:
+        """LEFT or RIGHT: the other finger."""
+        return 1 - self.held
 
 
 class Fit(NamedTuple):
@@ -71,13 +86,15 @@ class Candidate:
 @dataclass(frozen=True)
 class Felt:
     """kind: 'lying' on the first candidate's edge (surely), 'nothing' in the hand, or 'unknown';
-    candidates, the most probable first; reason: why unknown; pairs: what the fingers measured.
+    candidates, the most probable first; reason: why unknown; pairs: what the fingers measured, and
+    squeezes: those of them that tell something.
     """
 
     kind: str
     candidates: tuple[Candidate, ...] = ()
     reason: str = ''
     pairs: tuple[Pair, ...] = field(default=(), repr=False)
+    squeezes: Squeezes | None = field(default=None, repr=False, compare=False)
 
     @property
     def best(self) -> Candidate:
@@ -117,9 +134,17 @@ class Feeler:
         """Whether some edges of the object feel alike."""
         return any(len(members) > 1 for members in self.classes)
 
-    def feel(self, probe: Probe, pairs: np.ndarray, interrupted: str = '') -> Felt:
-        """What the pairs (k, 2) [rad], left then right, of a probe of k places say; interrupted:
-        why the probe ended early, if it did.
+    def feel(
+        self,
+        probe: Probe,
+        pairs: np.ndarray,
+        interrupted: str = '',
+        before: Felt | None = None,
+    ) -> Felt:
+        """What the pairs (k, 2) [rad], left then right, of a probe of k places say.
+
+        interrupted: why the probe ended early, if it did; before: of another probe of the object
+        since it came to lie there; where neither says enough, both together may.
         """
         pairs = np.asarray(pairs, float).reshape(-1, 2)
         told = tuple((left, right) for left, right in pairs.tolist())
@@ -130,26 +155,39 @@ class Feeler:
             return Felt(NOTHING, pairs=told)
         both = squeezed(probe, pairs)
         both[-1] = True
-        if both.sum() < FEWEST:
-            reason = f'the fingers squeezed something at {both.sum()} places; needed: {FEWEST}'
-            return Felt(UNKNOWN, reason=reason, pairs=told)
-        return _verdict(self._candidates(probe.held, pairs[both], pairs[-1]), told)
+        squeezes = Squeezes(probe.held, pairs[both])
+        felt = self._felt((squeezes,))
+        if felt.kind == UNKNOWN and before is not None and before.kind == UNKNOWN:
+            known = before.squeezes and self._felt((before.squeezes, squeezes))
+            felt = known if known and known.kind == LYING else felt
+        return replace(felt, pairs=told, squeezes=squeezes)
 
-    def _candidates(self, held: int, pairs: np.ndarray, last: np.ndarray) -> tuple[Candidate, ...]:
-        """One a class of edges that feel alike, the most probable first; `last` (2,) says x."""
-        found: list[tuple[Fit, tuple[int, ...]]] = []
-        for members in self.classes:
-            prediction = self.model.predict(self.hypotheses[members[0]], held, pairs[:, held])
-            fit = _fit(prediction, pairs[:, 1 - held], -CLOSING[1 - held])
-            found.append((fit, members))
-        found.sort(key=lambda one: -one[0].likelihood)
-        weights = np.exp([fit.likelihood - found[0][0].likelihood for fit, _ in found])
+    def _felt(self, measured: tuple[Squeezes, ...]) -> Felt:
+        count = sum(len(squeezes.pairs) for squeezes in measured)
+        if count < FEWEST:
+            reason = f'the fingers squeezed something at {count} places; needed: {FEWEST}'
+            return Felt(UNKNOWN, reason=reason)
+        return _verdict(self._candidates(measured))
+
+    def _candidates(self, measured: tuple[Squeezes, ...]) -> tuple[Candidate, ...]:
+        """One a class of edges that feel alike, the most probable first."""
+        found = [
+            (first_explanation(self.model, self.hypotheses[members[0]], measured), members)
+            for members in self.classes
+        ]
+        best = max(one.fit.likelihood for one, _ in found)
+        found = [
+            (refined(self.model, one, measured), members)
+            if best - one.fit.likelihood < CONTENDERS
+            else (one, members)
+            for one, members in found
+        ]
+        found.sort(key=lambda pair: -pair[0].fit.likelihood)
+        weights = np.exp([one.fit.likelihood - found[0][0].fit.likelihood for one, _ in found])
         weights /= weights.sum()
         return tuple(
-            self._candidate(
-                fit, members, float(weight), self._x(self.hypotheses[members[0]], held, last)
-            )
-            for weight, (fit, members) in zip(weights, found)
+            self._candidate(one.fit, members, float(weight), _x(one, measured[-1]))
+            for weight, (one, members) in zip(weights, found)
         )
 
     def _candidate(
@@ -159,58 +197,121 @@ class Feeler:
         segment = self.hypotheses[members[0]].segment
         return Candidate(edges, segment, *x, fit.residual, fit.misfit, probability)
 
-    def _x(self, resting: Resting, held: int, pair: np.ndarray) -> tuple[float, float]:
-        """(x [m], its standard deviation) where the fingers stand at last: the closing one touches,
-        the held one may not.
-        """
-        slides = [self.model.slide(resting, side, pair[side]) for side in (1 - held, held)]
-        centroids = [float(resting.pose_at(slide)[0]) for slide in slides]
-        if np.isnan(centroids).any():
-            return next((x for x in centroids if np.isfinite(x)), np.nan), np.nan
-        apart = abs(centroids[1] - centroids[0])
-        x = float(np.mean(centroids)) if apart < SAME_PLACE else centroids[0]
-        return x, VERTEX_DEVIATION + apart / 2
-
 
 def squeezed(probe: Probe, pairs: np.ndarray) -> np.ndarray:
-    """(k,) bool: pairs at which both fingers touch: the closing one gave way to the held one's last
-    move.
+    """(k,) bool: pairs at which both fingers touch: the closing one has given way to the held one's
+    moves.
 
     Where it did not, friction may hold the object away from the held finger.
     """
-    closing = pairs[:, probe.closing]
-    gave_way = -CLOSING[probe.closing] * np.diff(closing, prepend=closing[:1])
-    return gave_way > PUSHED
+    closing = -CLOSING[probe.closing] * pairs[:, probe.closing]
+    return closing - np.minimum.accumulate(closing) > PUSHED
 
 
-def _fit(prediction: Prediction, measured: np.ndarray, opening: float) -> Fit:
-    """Of the closing finger's angles measured (k,) [rad].
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """How an object that lies in one way, `resting` for the outline of `model`, explains the pairs
+    that were measured.
 
-    opening: sign in which its angle opens. The covariance has the outline's errors, which all pairs
-    share, the zeros of both encoders, and the readings' noise.
+    errors: (2n,) [m] by which its vertices are not those of the believed outline; next_errors:
+    (2n,) those that explain the pairs best, by the derivatives taken here.
     """
-    residuals, k = measured - prediction.angles, len(measured)
-    if not np.isfinite(residuals).all() or not np.isfinite(prediction.by_vertices).all():
-        return NO_FIT
-    held = prediction.by_held
+
+    model: SqueezeModel
+    resting: Resting
+    fit: Fit
+    errors: np.ndarray
+    next_errors: np.ndarray
+
+
+def first_explanation(
+    model: SqueezeModel, resting: Resting, measured: tuple[Squeezes, ...]
+) -> Explanation:
+    """By the believed outline, the derivatives taken there."""
+    errors = np.zeros(2 * len(model.scenario.object.polygon.vertices))
+    return _explanation(model, resting, errors, measured)
+
+
+def refined(
+    believed: SqueezeModel, first: Explanation, measured: tuple[Squeezes, ...]
+) -> Explanation:
+    """With the derivatives taken at the outline that explains the pairs best, as in an iterated
+    Kalman update: where another vertex touches, those of the believed outline mislead.
+    """
+    one = first
+    for _ in range(REFINEMENTS):
+        if np.abs(one.next_errors - one.errors).max() < SAME_OUTLINE:
+            break
+        model = believed.displaced(one.next_errors)
+        if model is None:
+            break
+        resting = model.resting(first.resting.edge, first.resting.segment)
+        better = _explanation(model, resting, one.next_errors, measured)
+        if better.fit is NO_FIT:
+            break
+        one = better
+    return replace(one, fit=one.fit._replace(residual=first.fit.residual))
+
+
+def _explanation(
+    model: SqueezeModel, resting: Resting, errors: np.ndarray, measured: tuple[Squeezes, ...]
+) -> Explanation:
+    """The covariance has the outline's errors and the zeros of both encoders, which all pairs
+    share, and the readings' noise.
+    """
+    innovations, by_vertices, by_zeros, by_held, openings = [], [], [], [], []
+    for held, pairs in measured:
+        prediction = model.predict(resting, held, pairs[:, held])
+        innovations.append(pairs[:, 1 - held] - prediction.angles + prediction.by_vertices @ errors)
+        by_vertices.append(prediction.by_vertices)
+        by_held.append(prediction.by_held)
+        zeros = np.ones((len(pairs), 2))
+        zeros[:, held] = -prediction.by_held
+        by_zeros.append(zeros)
+        opening = np.full(len(pairs), -float(CLOSING[1 - held]))
+        opening[-1] = 0.0  # whatever happened before: this is where it lies now
+        openings.append(opening)
+    innovation, outline = np.concatenate(innovations), np.vstack(by_vertices)
+    if not np.isfinite(innovation).all() or not np.isfinite(outline).all():
+        return Explanation(model, resting, NO_FIT, errors, errors)
+    zeros = np.vstack(by_zeros)
     covariance = (
-        VERTEX_DEVIATION**2 * prediction.by_vertices @ prediction.by_vertices.T
-        + OFFSET_DEVIATION**2 * (np.ones((k, k)) + np.outer(held, held))
-        + READING_DEVIATION**2 * np.diag(1.0 + held**2)
+        VERTEX_DEVIATION**2 * outline @ outline.T
+        + OFFSET_DEVIATION**2 * zeros @ zeros.T
+        + READING_DEVIATION**2 * np.diag(1.0 + np.concatenate(by_held) ** 2)
     )
-    return _with_gaps(residuals, covariance, opening)
+    fit, touching = _with_gaps(innovation, covariance, np.concatenate(openings))
+    gain = np.linalg.solve(covariance[np.ix_(touching, touching)], innovation[touching])
+    likely = VERTEX_DEVIATION**2 * outline[touching].T @ gain
+    return Explanation(model, resting, fit, errors, likely)
 
 
-def _with_gaps(residuals: np.ndarray, covariance: np.ndarray, opening: float) -> Fit:
-    """The same over all ways in which the object may have lain off the held finger at some of the
-    places, but FEWEST: there the closing finger is more open than predicted, anything up to
-    FURTHEST_APART. χ² and residual are those of the best way.
+def _x(one: Explanation, last: Squeezes) -> tuple[float, float]:
+    """(x [m], its standard deviation) where the fingers stand at last: the closing one touches, the
+    held one may not.
     """
-    k, best = len(residuals), Fit(-np.inf, np.inf, np.inf)
+    resting, pair = one.resting, last.pairs[-1]
+    slides = [one.model.slide(resting, side, pair[side]) for side in (last.closing, last.held)]
+    centroids = [float(resting.pose_at(slide)[0]) for slide in slides]
+    if np.isnan(centroids).any():
+        return next((x for x in centroids if np.isfinite(x)), np.nan), np.nan
+    apart = abs(centroids[1] - centroids[0])
+    x = float(np.mean(centroids)) if apart < SAME_PLACE else centroids[0]
+    return x, VERTEX_DEVIATION + apart / 2
+
+
+def _with_gaps(
+    residuals: np.ndarray, covariance: np.ndarray, opening: np.ndarray
+) -> tuple[Fit, np.ndarray]:
+    """Over all ways in which the object may have lain off the held finger at some of the places,
+    but FEWEST: there the closing finger is more open than predicted, anything up to
+    FURTHEST_APART. opening (k,): sign in which its angle opens, 0 where it surely touched. χ² and
+    residual are those of the best way, and with them the places at which it touched then.
+    """
+    k, best, touched = len(residuals), Fit(-np.inf, np.inf, np.inf), np.arange(len(residuals))
     densities = []
     apart = (opening * residuals > 0.0) & (opening * residuals < FURTHEST_APART)
-    apart[-1] = False  # whatever happened before: this is where it lies now
-    for off in _subsets(np.flatnonzero(apart), k - FEWEST):
+    for off in _subsets(np.flatnonzero(apart), min(k - FEWEST, MOST_APART)):
         touching = np.setdiff1d(np.arange(k), off)
         factor = np.linalg.cholesky(covariance[np.ix_(touching, touching)])
         white = np.linalg.solve(factor, residuals[touching])
@@ -221,8 +322,8 @@ def _with_gaps(residuals: np.ndarray, covariance: np.ndarray, opening: float) ->
         densities.append(density)
         if density > best.likelihood:
             rms = float(np.sqrt(np.mean(residuals[touching] ** 2)))
-            best = Fit(density, squares / len(touching), rms)
-    return best._replace(likelihood=float(np.logaddexp.reduce(densities)))
+            best, touched = Fit(density, squares / len(touching), rms), touching
+    return best._replace(likelihood=float(np.logaddexp.reduce(densities))), touched
 
 
 def _subsets(items: np.ndarray, most: int) -> Iterator[tuple[int, ...]]:
@@ -236,7 +337,7 @@ def fits(candidate: Candidate) -> bool:
     return candidate.misfit <= MISFIT
 
 
-def _verdict(candidates: tuple[Candidate, ...], pairs: tuple[Pair, ...]) -> Felt:
+def _verdict(candidates: tuple[Candidate, ...]) -> Felt:
     best = candidates[0]
     if not fits(best):
         off = (
@@ -246,14 +347,14 @@ def _verdict(candidates: tuple[Candidate, ...], pairs: tuple[Pair, ...]) -> Felt
             f'no edge fits: wedged, or another object (nearest: {_list(best.edges)}, {off}, '
             f'χ² {best.misfit:.0f} for each pair; allowed: {MISFIT:.0f})'
         )
-        return Felt(UNKNOWN, candidates, reason, pairs)
+        return Felt(UNKNOWN, candidates, reason)
     if best.probability < SURE:
         likely = [c for c in candidates if c.probability > (1.0 - SURE) / len(candidates)]
         reason = 'not distinguishable: ' + ', '.join(
             f'{_list(c.edges)} ({c.probability:.0%})' for c in likely
         )
-        return Felt(UNKNOWN, candidates, reason, pairs)
-    return Felt(LYING, candidates, '', pairs)
+        return Felt(UNKNOWN, candidates, reason)
+    return Felt(LYING, candidates)
 
 
 def _list(edges: tuple[int, ...]) -> str:

@@ -130,10 +130,11 @@ def _tipping_along(
 ) -> np.ndarray:
     """(k,) [N m] with the held finger at thetas (k,) [rad], NaN where such an object is not met."""
     slides, angles = model.squeeze(resting, held, thetas)
+    by_shorter = model.shortened.squeeze(resting, held, thetas)[1]
     found = np.full(len(thetas), np.nan)
     shut = model.world.limits[1 - held, 0 if held else 1]
     for k in np.flatnonzero(np.isfinite(angles)):
-        if abs(angles[k] - shut) < REACH:
+        if abs(angles[k] - shut) < REACH or np.isnan(by_shorter[k]):
             found[k] = 0.0  # there the closing finger may pass over the object
             continue
         found[k] = tipping_torque(model, resting, held, slides[k], thetas[k], angles[k])

@@ -12,10 +12,12 @@ from wholearm_ros.kernels import squeezing
 from wholearm_ros.mechanics.contacts import pose_on_palm
 from wholearm_ros.mechanics.world import World, build_world
 from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.convex import turns
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import ManipulatedObject, Scenario
 
 VERTEX_STEP = 2e-4  # [m] over which the derivatives with respect to vertices are differenced
+TIP_MARGIN = 0.005  # [m] of a finger's tip by which an object must not be met alone
 ANGLE_STEP = 1e-4  # [rad] the same of the held finger's angle
 
 
@@ -88,20 +90,37 @@ class SqueezeModel:
         ahead = self.squeeze(resting, held, thetas + ANGLE_STEP)[1]
         return Prediction(slides, angles, np.column_stack(columns), (ahead - angles) / ANGLE_STEP)
 
+    def displaced(self, errors: np.ndarray) -> 'SqueezeModel | None':
+        """Of the object with its vertices moved by errors (2n,) [m]; None when that outline is not
+        convex.
+        """
+        scenario = _displaced(self.scenario, errors)
+        convex = (turns(scenario.object.polygon.vertices) > 0.0).all()
+        return SqueezeModel(scenario) if convex else None
+
+    @cached_property
+    def shortened(self) -> 'SqueezeModel':
+        """In a hand whose fingers are shorter by TIP_MARGIN: what it does not meet, fingers of the
+        true length may pass over.
+        """
+        hand = self.scenario.hand
+        left, right = (
+            replace(finger, length=finger.length - TIP_MARGIN) for finger in (hand.left, hand.right)
+        )
+        return SqueezeModel(replace(self.scenario, hand=replace(hand, left=left, right=right)))
+
     @cached_property
     def _neighbours(self) -> list[tuple[Scenario, World]]:
         """(scenario, world) with one coordinate of one vertex moved by VERTEX_STEP."""
-        vertices = self.scenario.object.polygon.vertices
-        moved = []
-        for k in range(vertices.size):
-            step = np.zeros(vertices.size)
-            step[k] = VERTEX_STEP
-            outline = Polygon(vertices + step.reshape(vertices.shape))
-            scenario = replace(
-                self.scenario, object=ManipulatedObject(outline, self.scenario.object.mass)
-            )
-            moved.append((scenario, build_world(scenario)))
-        return moved
+        steps = VERTEX_STEP * np.eye(self.scenario.object.polygon.vertices.size)
+        moved = [_displaced(self.scenario, step) for step in steps]
+        return [(scenario, build_world(scenario)) for scenario in moved]
+
+
+def _displaced(scenario: Scenario, errors: np.ndarray) -> Scenario:
+    vertices = scenario.object.polygon.vertices
+    outline = Polygon(vertices + errors.reshape(vertices.shape))
+    return replace(scenario, object=ManipulatedObject(outline, scenario.object.mass))
 
 
 def _resting(scenario: Scenario, world: World, edge: int, segment: int) -> Resting:

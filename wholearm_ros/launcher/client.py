@@ -13,6 +13,9 @@ from action_msgs.msg import GoalInfo
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.srv import SetParameters
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -28,6 +31,7 @@ from wholearm_ros.ros.interface.messages import (
     FEEL_GOAL,
     NO_GOAL,
     goal_message,
+    parameter_request,
     to_goal_id,
     to_nanoseconds,
     to_planar,
@@ -35,7 +39,10 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.transport import choose_transport
 
+BETWEEN_TRIES = 0.5  # [s] of an activation
+LEASE = 21.0  # [s] and a little less: for as long a killed node is still listed
 AFTER_THE_END = 2.0  # [s] in which a pose after the end of a run is waited for
+SUPERVISOR_PARAMETERS = channels.Service('reorientation/set_parameters', SetParameters)
 Values = dict[str, str]  # of a DiagnosticStatus
 
 
@@ -49,7 +56,8 @@ class LatestMessages:
 
     progress: of the mode switcher; feedback, result: of the generator; reorientation, reached:
     feedback and result of the supervisor; goal_listeners: to whom its goals for the generator go;
-    poses: stamp [ns] → (3,) [m, m, rad], all of them.
+    told_by: node → the message of its diagnostics; poses: stamp [ns] → (3,) [m, m, rad], all of
+    them.
     """
 
     plan: ContactPlan | None = None
@@ -64,6 +72,7 @@ class LatestMessages:
     reached: Values = field(default_factory=dict)
     reached_message: str = ''
     goal_listeners: int = 0
+    told_by: Values = field(default_factory=dict)
     poses: dict[int, np.ndarray] = field(default_factory=dict)
 
 
@@ -78,6 +87,7 @@ class Client:
     ) -> None:
         self.latest, self.watch, self._request_stamp = LatestMessages(), watch, ''
         self._reorient_id = ''
+        self._services: dict[str, Any] = {}
         choose_transport()
         self.context = rclpy.Context()
         rclpy.init(
@@ -107,7 +117,7 @@ class Client:
         for topic, hear in heard:
             self.node.create_subscription(topic.type, topic.name, _guarded(hear), topic.qos)
         deep = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self.node.create_subscription(
+        self._truth = self.node.create_subscription(
             channels.OBJECT_POSE.type, channels.OBJECT_POSE.name, _guarded(self._on_pose), deep
         )
 
@@ -123,6 +133,10 @@ class Client:
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
         self.context.destroy()
+
+    def leave_truth_alone(self) -> None:
+        """From now on no pose is kept: nobody will judge, and they are many."""
+        self.node.destroy_subscription(self._truth)
 
     def wait(self, condition: Callable[[], object], seconds: float, what: str) -> None:
         """Spins until `condition()` is true; raises GraphError, naming `what`, after `seconds`."""
@@ -166,6 +180,24 @@ class Client:
             ),
         )
 
+    def wait_until_alone(self, nodes: Iterable[str], seconds: float = LEASE) -> None:
+        """Raises GraphError when one of `nodes` is there more than once for so long: another graph
+        runs in this domain, however it was started. One that was killed is listed for a while.
+        """
+        own = self.node.get_namespace()
+
+        def doubled() -> list[str]:
+            there = [n for n, space in self.node.get_node_names_and_namespaces() if space == own]
+            return [name for name in nodes if there.count(name) > 1]
+
+        try:
+            self.wait(lambda: not doubled(), seconds, 'another graph')
+        except GraphError as error:
+            raise GraphError(
+                f'{", ".join(doubled())}: there already in this ROS domain; '
+                'allowed: one graph, or another ROS_DOMAIN_ID'
+            ) from error
+
     def wait_for_publishers(
         self, seconds: float, least: Iterable[tuple[channels.Topic, int]]
     ) -> None:
@@ -186,6 +218,28 @@ class Client:
     ) -> None:
         for topic, number in least:
             self.wait(partial(_at_least, count, topic.name, number), seconds, f'topic {topic.name}')
+
+    def activate(self, node: str, seconds: float) -> None:
+        """Configures and activates a managed node, which may refuse for a while. Raises GraphError,
+        with the node's reason, after `seconds`.
+        """
+        change = channels.Service(f'{node}/change_state', ChangeState)
+        configure, activate = (
+            ChangeState.Request(transition=Transition(id=number))
+            for number in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE)
+        )
+        deadline = time.monotonic() + seconds
+        self.call(change, seconds, configure)
+        while not self.call(change, seconds, activate).success:
+            if time.monotonic() > deadline:
+                reason = self.latest.told_by.get(f'{self.node.get_namespace()}/{node}', '')
+                raise GraphError(f'{node} is not active after {seconds:.0f} s: {reason}')
+            self.wait_a_little()
+
+    def wait_a_little(self) -> None:
+        """Between two tries."""
+        until = time.monotonic() + BETWEEN_TRIES
+        self.wait(lambda: time.monotonic() > until, 2 * BETWEEN_TRIES + 1.0, 'time')
 
     def wait_for_supervisor(self, seconds: float, recorded: bool = False) -> None:
         """Until it has found who shall receive its goals, the recorder included: what is published
@@ -208,6 +262,19 @@ class Client:
         self.node.destroy_client(client)
         return future.result()
 
+    def offered(self, service: channels.Service) -> bool:
+        """Whether somebody answers `service` now."""
+        return bool(self._kept(service).service_is_ready())
+
+    def ask(self, service: channels.Service, request: Any = None) -> Any:
+        """The future response of `service`, for those who cannot wait."""
+        return self._kept(service).call_async(request or service.type.Request())
+
+    def _kept(self, service: channels.Service) -> Any:
+        if service.name not in self._services:
+            self._services[service.name] = self.node.create_client(service.type, service.name)
+        return self._services[service.name]
+
     def send_goal(self, plan_id: str) -> None:
         """Asks the generator to execute a plan; raises MessageError when it is not a UUID."""
         self._send(to_goal_id(plan_id))
@@ -228,6 +295,12 @@ class Client:
         self._reorient_id, self._request_stamp = str(goal), str(to_nanoseconds(stamp))
         self._reorient.publish(goal_message(goal.bytes, stamp))
         return self._reorient_id
+
+    def tell_supervisor(self, scenario: str) -> Any:
+        """The future answer of the supervisor to a scenario, a document or a path; its next goal
+        is that scenario's.
+        """
+        return self.ask(SUPERVISOR_PARAMETERS, parameter_request('scenario', scenario))
 
     def cancel_reorientation(self) -> None:
         """Whatever the supervisor is doing."""
@@ -293,6 +366,7 @@ class Client:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
+            self.latest.told_by[status.name] = status.message
             listeners = values_of(status).get(channels.GOAL_LISTENERS, '')
             if listeners.isdecimal():
                 self.latest.goal_listeners = int(listeners)

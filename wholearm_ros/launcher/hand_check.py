@@ -22,8 +22,12 @@ from wholearm_ros.launcher.client import Client, GraphError
 from wholearm_ros.model.hand import CLOSING, JOINT_NAMES, LEFT, RIGHT, Finger
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.joint_state_serialization import MessageError, read_joints
-from wholearm_ros.ros.interface.messages import effort_bytes
+from wholearm_ros.ros.interface.joint_state_serialization import (
+    JointReading,
+    MessageError,
+    read_joints,
+)
+from wholearm_ros.ros.interface.messages import effort_bytes, to_joints
 from wholearm_ros.ros.interface.transport import choose_transport
 
 HEARD_WITHIN = 10.0  # [s] for the first state
@@ -72,6 +76,16 @@ def check_hand(
         client.close()
 
 
+def _ours(reading: JointReading) -> JointReading:
+    """Our two joints in order; the reading itself where it does not hold them."""
+    try:
+        stamp, joints = to_joints(reading)
+    except MessageError:
+        return reading
+    columns = (joints.angles, joints.velocities, joints.efforts)
+    return JointReading(stamp, JOINT_NAMES, *(tuple(column.tolist()) for column in columns))
+
+
 class _Examiner:
     """Answers each joint state with what `law` says of it, [N m] for both joints; None: nothing."""
 
@@ -91,7 +105,7 @@ class _Examiner:
             reading = read_joints(data)
         except MessageError:
             return
-        sample = Sample(self.client.node.get_clock().now().nanoseconds, *reading)
+        sample = Sample(self.client.node.get_clock().now().nanoseconds, *_ours(reading))
         self.samples.append(sample)
         if self.law is None or self.abort or self.commands is None:
             return
@@ -234,9 +248,7 @@ class _Examiner:
 
     def _weights(self, angles: np.ndarray) -> np.ndarray:
         """(2,) [N m] that bear the fingers at `angles`."""
-        fingers = [self.scenario.hand[k] for k in (LEFT, RIGHT)]
-        level = [f.mass * self.scenario.gravity.in_plane * f.length / 2 for f in fingers]
-        weights: np.ndarray = np.array(level) * np.cos(angles)
+        weights: np.ndarray = np.array(self.scenario.finger_moments) * np.cos(angles)
         return weights
 
     def _hold(self, angles: np.ndarray, velocities: np.ndarray) -> np.ndarray:

@@ -5,22 +5,24 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Optional
 
 import numpy as np
 
-from wholearm_ros.launcher.client import Client, LatestMessages, Values
+from wholearm_ros.estimation.claim import Claim
+from wholearm_ros.launcher.client import Client, GraphError, LatestMessages, Values
 from wholearm_ros.launcher.processes import Processes, alone_in_domain
-from wholearm_ros.model.backends import DEFAULT_BACKEND
-from wholearm_ros.model.choices import Pacing, Storage
+from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
+from wholearm_ros.model.choices import Hardware, Pacing, Storage
 from wholearm_ros.model.modes import PLANNING
 from wholearm_ros.model.orientation import goal_rotation, start_rotation
 from wholearm_ros.model.outcomes import SUCCEEDED
-from wholearm_ros.model.perturbation import NOMINAL
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.perturbation import NOMINAL, numbered_perturbation
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario
+from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.supervision import MAX_ATTEMPTS
 from wholearm_ros.ros.interface import channels
@@ -32,6 +34,18 @@ START_WITHIN = 300.0  # [s] the first time, everything is compiled
 # [s] beyond its own duration that a run may take in real time; lockstep takes what it takes
 SLACK = 60.0
 LOCKSTEP_SLOWNESS = 60.0
+BRIDGE = 'ros2_control_bridge'
+# Two of these would act on one hand.
+COMMANDING = (
+    BRIDGE,
+    'hand_hardware',
+    'mode_switcher',
+    'velocity_controller',
+    'torque_controller',
+    'trajectory_generator',
+)
+ACTIVE_WITHIN = 20.0  # [s] once the graph is up: the broadcaster and the controller must be there
+ANSWER_WITHIN = 30.0  # [s] of the supervisor to another scenario
 LONGEST_SILENCE = 30.0  # [s] of the supervisor while it executes
 # of the nodes of the closed loop in real time, and of the recorder: kept waiting, it loses messages
 LOOP_PRIORITY = 20
@@ -42,8 +56,10 @@ class RunOptions:
     """What `wholearm run` was told.
 
     rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
-    when empty; time_budget: for planning [s]; hardware: whether the simulated hand is started, else
-    another hand has to be there.
+    when empty; time_budget: for planning [s]; hardware: the physics of the simulated hand, none
+    where a hand is there, or ros2_control; params: a parameter file for every node; then: faces to
+    be reached after the scenario's goal, one after the other, without a reset; perturb: level of
+    the simulated hand's errors, those of number `seed`.
     """
 
     scenario: str
@@ -54,13 +70,24 @@ class RunOptions:
     topics: tuple[str, ...] = ()
     view: bool = False
     rate: float = 1000.0
-    backend: str = DEFAULT_BACKEND
+    hardware: str = DEFAULT_BACKEND
+    params: Optional[Path] = None
     search: str = PlanRequest.search
     transition: str = PlanRequest.transition
     probe: bool = True
     attempts: int = MAX_ATTEMPTS
     time_budget: float = PlanRequest.time_budget
-    hardware: bool = True
+    then: tuple[int, ...] = ()
+    perturb: float = 0.0
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the hand is ours, and the truth about the object is known."""
+        return self.hardware in BACKENDS
+
+    def truth(self, scenario: Scenario) -> Scenario:
+        """The scenario as the simulated hand has it."""
+        return numbered_perturbation(self.perturb, self.seed, scenario).applied(scenario)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +98,11 @@ class RunReport:
     result: of the goal; judged: the object's pose against its goal, None when nothing was
     executed; modes: seconds in each, as planned; timings [s]: of start, planning and execution;
     attempts: in order, what was felt after each trajectory, and after a probe alone (planned:
-    False).
+    False); scenario: whose goal it was; before: reports of the goals before it in a sequence; left:
+    faces of the sequence that were not tried any more.
     """
 
+    scenario: Scenario
     planned: bool
     message: str
     planner: dict[str, str]
@@ -83,12 +112,19 @@ class RunReport:
     timings: dict[str, float]
     path_length: int = 0
     attempts: tuple[dict[str, Any], ...] = ()
+    before: 'tuple[RunReport, ...]' = ()
+    left: tuple[int, ...] = ()
+
+    @property
+    def reached(self) -> bool:
+        """Whether this goal succeeded, and the object rests at it where the truth is known."""
+        truly = self.judged is None or self.judged.executed
+        return self.planned and truly and self.result.get('outcome') == SUCCEEDED
 
     @property
     def success(self) -> bool:
-        """Whether the goal succeeded, and the object rests at it where the truth is known."""
-        truly = self.judged is None or self.judged.executed
-        return self.planned and truly and self.result.get('outcome') == SUCCEEDED
+        """Whether all goals were reached."""
+        return not self.left and all(one.reached for one in (*self.before, self))
 
 
 def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
@@ -103,14 +139,18 @@ def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
             'priority': LOOP_PRIORITY,
             **({'topics': list(options.topics)} if options.topics else {}),
         }
-    if options.hardware:
+    if options.hardware == Hardware.ros2_control.value:
+        nodes[BRIDGE] = {**scenario, **loop}
+    if options.simulated:
         nodes['hand_hardware'] = {
             **scenario,
             **pacing,
             **loop,
-            'backend': options.backend,
+            'backend': options.hardware,
             'view': options.view,
             'motor_rate': options.rate,
+            'perturb': float(options.perturb),
+            'perturb_number': options.seed,
         }
     return {
         **nodes,
@@ -144,24 +184,27 @@ def run_graph(
 
     on_client_ready: is given the client before anything happens, to listen to more of the run.
     """
-    with running_graph(node_parameters(options), log_directory) as client:
+    with running_graph(node_parameters(options), log_directory, options.params) as client:
         on_client_ready(client)
         return _plan_and_execute(client, scenario, options, tell)
 
 
 @contextmanager
 def running_graph(
-    parameters: dict[str, dict[str, Any]], log_directory: Optional[Path] = None
+    parameters: dict[str, dict[str, Any]],
+    log_directory: Optional[Path] = None,
+    params: Optional[Path] = None,
 ) -> Iterator[Client]:
     """A client of the nodes that are named, each a process, until the context ends.
 
     parameters: by node, see `node_parameters`; log_directory: of their output, none is kept by
-    default. Raises DomainTaken at the start, NodeDied when a node ends while the client waits.
+    default; params: a parameter file for all of them, which `parameters` override. Raises
+    DomainTaken at the start, NodeDied when a node ends while the client waits.
     """
     with alone_in_domain(), tempfile.TemporaryDirectory(prefix='wholearm_') as scratch:
         with Processes(Path(log_directory or scratch)) as processes:
             for node, values in parameters.items():
-                processes.start(node, values)
+                processes.start(node, values, params=params)
             client = Client(watch=processes.check)
             try:
                 yield client
@@ -176,27 +219,73 @@ def _plan_and_execute(
     tell('starting the nodes')
     all_recorded = options.record is not None and not options.topics
     client.wait_for_graph(START_WITHIN, all_recorded)
-    client.wait_for_subscribers(
-        START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),)
-    )
+    client.wait_until_alone([n for n in node_parameters(options) if n in COMMANDING])
+    client.wait_for_subscribers(START_WITHIN, ((channels.OBJECT_POSE, 2 if options.record else 1),))
     client.wait_for_supervisor(START_WITHIN, all_recorded)
+    if options.hardware == Hardware.ros2_control.value:
+        tell('activating the motors')
+        client.activate(BRIDGE, ACTIVE_WITHIN)
     clock.append(time.monotonic())
+    done: list[RunReport] = []
+    left, asked = list(options.then), scenario
+    while True:
+        report = _pursue(client, asked, options, tell, clock, again=bool(done))
+        done.append(report)
+        following = _from_felt(report) if left else None
+        if following is None:
+            return replace(report, before=tuple(done[:-1]), left=tuple(left))
+        asked = replace(following, goal=GoalOnEdge(left.pop(0)))
+        _configure(client, asked)
+        clock = [time.monotonic()] * 2
+
+
+def _configure(client: Client, scenario: Scenario) -> None:
+    """Make it the supervisor's scenario; raises GraphError when that refuses it."""
+    answer = client.tell_supervisor(json.dumps(scenario_to_dict(scenario)))
+    client.wait(answer.done, ANSWER_WITHIN, 'reorientation/set_parameters')
+    (result,) = answer.result().results
+    if not result.successful:
+        raise GraphError(f'reorientation refuses the scenario: {result.reason}')
+
+
+def _from_felt(report: RunReport) -> Scenario | None:
+    """The scenario with the start where the object was felt last; None when that is not known."""
+    start = Claim.from_dict(report.result).place
+    return None if start is None else replace(report.scenario, start=start)
+
+
+def _pursue(
+    client: Client,
+    scenario: Scenario,
+    options: RunOptions,
+    tell: Tell,
+    clock: list[float],
+    again: bool,
+) -> RunReport:
+    """Until the supervisor has reached the scenario's goal, or given up.
+
+    clock: when the graph was begun and was ready [s]; again: whether the object was turned before.
+    """
     tell('planning')
     client.reorient()
     latest = client.latest
     planned_at = _follow(client, options, tell)
-    clock += [planned_at, time.monotonic()]
+    clock = [*clock, planned_at, time.monotonic()]
     reached = latest.reached
     attempts = tuple(json.loads(reached.get('tries') or '[]'))
     if not attempts:
-        reason = reached.get('reason', '')
-        return RunReport(False, reason, latest.planner, reached, None, {}, _timings(clock[:3]))
+        reason, times = reached.get('reason', ''), _timings(clock[:3])
+        return RunReport(scenario, False, reason, latest.planner, reached, None, {}, times)
+    judged = None
+    if options.simulated:
+        judged = _judge(client, options.truth(scenario), again or len(attempts) > 1)
     return RunReport(
+        scenario,
         True,
         latest.planner.get('message', ''),
         latest.planner,
         reached,
-        _judge(client, scenario, len(attempts)) if options.hardware else None,
+        judged,
         latest.trajectory.time_in_modes() if latest.trajectory else {},
         _timings(clock),
         len(latest.plan.path) if latest.plan else 0,
@@ -250,20 +339,22 @@ def attempt_line(place: int, attempt: dict[str, Any]) -> str:
     return f'{place}. {kind}: {attempt["claimed"] or attempt["outcome"]}: {attempt["reason"]}'
 
 
-def _judge(client: Client, scenario: Scenario, motions: int) -> Outcome:
+def _judge(client: Client, scenario: Scenario, several: bool) -> Outcome:
     """The object's true pose at the end against its goal.
 
-    Whole turns do not count where there were several motions.
+    scenario: with the true object; several: whether there were several motions; then whole turns do
+    not count.
     """
     reached = client.latest.reached
     times, poses = client.final_poses(int(reached.get('stamp') or 0), SLACK)
     poses[:, 2] = np.unwrap(poses[:, 2])
     wanted = start_rotation(scenario) - poses[0, 2]
-    if motions > 1:
+    if several:
         wanted = goal_rotation(scenario) - poses[-1, 2]
     poses[:, 2] += 2 * np.pi * np.round(wanted / (2 * np.pi))
     nothing = np.zeros((len(times), 2))
-    reason = '' if reached.get('outcome') == SUCCEEDED else reached.get('reason', '')
+    ended = reached.get('outcome') == SUCCEEDED or bool(reached.get('claimed'))
+    reason = '' if ended else reached.get('reason', '')
     return outcome(
         scenario,
         RunRecord(

@@ -1,11 +1,13 @@
-"""`wholearm run` in a terminal: step, mode, joint angles, the torque within its feasible range."""
+"""`wholearm run` in a terminal: step, the hand, mode, joint angles, the torque within its feasible
+range.
+"""
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from typing import Optional, Union
 
 import numpy as np
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 from rich.console import Console, Group
 from rich.live import Live
 from rich.panel import Panel
@@ -14,12 +16,15 @@ from rich.table import Table
 from rich.text import Text
 
 from wholearm_ros.launcher.client import Client
-from wholearm_ros.model.hand import CLOSING, JOINT_NAMES, SIDES
+from wholearm_ros.launcher.drawing import draw_outlines
+from wholearm_ros.model.hand import CLOSING, SIDES
 from wholearm_ros.model.modes import CAGING, DONE, DWELL, DYNAMIC, IDLE, QUASI_STATIC, STOPPED
+from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.report.figures.outlines import hand_outlines, object_outline, view_box
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS
-from wholearm_ros.ros.interface.messages import to_nanoseconds
+from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, read_joints
+from wholearm_ros.ros.interface.messages import to_joints
 
 RATE = 10.0  # [1/s] at which the picture is drawn anew
 BAR = 48  # characters
@@ -40,7 +45,7 @@ class Moment:
 
     time: on the trajectory's clock, and duration [s]; angles: (2,) [rad]; torque_side: the
     torque-controlled finger; torque: it presses with; torque_range: (low, high), None where there
-    is none; highest: torque of the plan [N m].
+    is none; highest: torque of the plan [N m]; drawing: the hand, and the object as it is planned.
     """
 
     mode: str
@@ -51,6 +56,7 @@ class Moment:
     torque: float
     torque_range: Optional[tuple[float, float]]
     highest: float
+    drawing: str = ''
 
 
 def moment_of(
@@ -122,7 +128,10 @@ def picture(step: str, moment: Optional[Moment] = None) -> Panel:
             f'{np.degrees(angle):6.1f}° {role}',
         )
     rows.add_row('torque', torque_bar(moment), f'{moment.torque:+.2f} N m')
-    return Panel(Group(Text(step), rows), title='wholearm run', title_align='left', width=BAR + 34)
+    drawn = [Text(moment.drawing)] if moment.drawing else []
+    return Panel(
+        Group(Text(step), *drawn, rows), title='wholearm run', title_align='left', width=BAR + 34
+    )
 
 
 def torque_bar(moment: Moment) -> Text:
@@ -153,7 +162,7 @@ class LiveView:
     """
 
     def __init__(self, console: Console) -> None:
-        self._step = ''
+        self._step, self._since = '', time.monotonic()
         self._client: Optional[Client] = None
         self._joints: Optional[bytes] = None
         self._live = Live(self, console=console, refresh_per_second=RATE, transient=True)
@@ -167,7 +176,8 @@ class LiveView:
 
     def __call__(self, step: str, share: float = 0.0) -> None:
         """The run is at `step`."""
-        self._step = step
+        if step != self._step:
+            self._step, self._since = step, time.monotonic()
 
     def on_client_ready(self, client: Client) -> None:
         """Listens to the joints: raw bytes, which cost next to nothing until they are drawn."""
@@ -185,7 +195,9 @@ class LiveView:
         self._joints = data
 
     def __rich__(self) -> Panel:
-        return picture(self._step, self._moment())
+        moment = self._moment()
+        waited = f', {time.monotonic() - self._since:.0f} s' if moment is None else ''
+        return picture(self._step + waited, moment)
 
     def _moment(self) -> Optional[Moment]:
         latest = self._client.latest if self._client else None
@@ -199,16 +211,24 @@ class LiveView:
         start = latest.progress.get('trajectory start')
         if not start:
             return None
-        message = deserialize_message(self._joints, channels.JOINT_STATES.type)
-        time = (to_nanoseconds(message.header.stamp) - int(start)) / NANOSECONDS
-        order = [list(message.name).index(name) for name in JOINT_NAMES]
-        return moment_of(
-            latest.trajectory,
-            latest.mode,
-            time,
-            np.array(message.position)[order],
-            np.array(message.effort)[order],
-        )
+        stamp, joints = to_joints(read_joints(self._joints))
+        now = (stamp - int(start)) / NANOSECONDS
+        trajectory, plan = latest.trajectory, latest.plan
+        moment = moment_of(trajectory, latest.mode, now, joints.angles, joints.known_efforts)
+        if plan is None:
+            return moment
+        return replace(moment, drawing=draw_hand(plan.scenario, trajectory, now, joints.angles))
+
+
+def draw_hand(
+    scenario: Scenario, trajectory: ManipulationTrajectory, now: float, angles: np.ndarray
+) -> str:
+    """Palm and fingers as they are, the object as planned at `now` [s]; angles: (2,) [rad]."""
+    at = int(np.clip(now / trajectory.period, 0, len(trajectory.poses) - 1))
+    outlines = [*hand_outlines(scenario, angles), object_outline(scenario, trajectory.poses[at])]
+    box = view_box(scenario, trajectory.poses, trajectory.angles)
+    there_and_back = np.vstack([scenario.palm.vertices, scenario.palm.vertices[::-1]])
+    return draw_outlines([there_and_back, *outlines], box, BAR)
 
 
 class PlainView:

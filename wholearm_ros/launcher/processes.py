@@ -64,9 +64,19 @@ class Processes:
     def __exit__(self, *_: object) -> None:
         self.stop()
 
-    def start(self, node: str, parameters: dict[str, Any], namespace: str = '') -> None:
-        """The program of `node` with `parameters`, its output in a file of its own."""
+    def start(
+        self,
+        node: str,
+        parameters: dict[str, Any],
+        namespace: str = '',
+        params: Path | None = None,
+    ) -> None:
+        """The program of `node` with `parameters`, which override those of the file `params`; its
+        output in a file of its own.
+        """
         command = [*self.program(node), '--ros-args']
+        if params is not None:
+            command += ['--params-file', str(params)]
         if namespace:
             command += ['-r', f'__ns:={namespace}']
         for name, value in parameters.items():

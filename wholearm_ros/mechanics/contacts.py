@@ -12,10 +12,11 @@ from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.world import World, build_world
 from wholearm_ros.model.configuration import SIZE
 from wholearm_ros.model.hand import LEFT, RIGHT, SIDES
-from wholearm_ros.model.orientation import palm_segment_under, start_rotation
+from wholearm_ros.model.orientation import palm_angle_under, palm_segment_under, start_rotation
 from wholearm_ros.model.polygon import pose_on_edge
 from wholearm_ros.model.scenario import Scenario, StartAtPose
 
+ROUNDED, ROUNDED_ANGLE = 1e-4, 1e-3  # [m], [rad] a told start nearer to touching touches
 CLOSED_GAP = 1e-7  # [m] a pair with a smaller gap is closed
 DEEPEST_START = 1e-4  # [m] how far a start given as a pose may penetrate
 FINGER_EDGES = ('inner', 'tip', 'outer', 'base')
@@ -153,12 +154,14 @@ def close_finger(world: World, pose: np.ndarray, side: int) -> float:
 def start_configuration(scenario: Scenario, world: World | None = None) -> np.ndarray:
     """q (5,) at the start: the object at rest on the palm, the fingers closed on it.
 
+    Of a start at a pose, what nearly touches touches: poses are written with few digits.
+
     Raises ScenarioError when a finger cannot touch the object, or the start penetrates the hand.
     """
     world = world or build_world(scenario)
     start = scenario.start
     if isinstance(start, StartAtPose):
-        q = np.concatenate([start.pose, start.fingers])
+        q = _in_contact(world, scenario, np.concatenate([start.pose, start.fingers]))
     else:
         pose = pose_on_palm(
             world, start.x, start_rotation(scenario), palm_segment_under(scenario.palm, start.x)
@@ -172,6 +175,26 @@ def start_configuration(scenario: Scenario, world: World | None = None) -> np.nd
             f'start: the object penetrates the hand by {1000 * depth:.2f} mm at {pair}; '
             f'allowed: at most {1000 * DEEPEST_START:.2f} mm'
         )
+    return q
+
+
+def _in_contact(world: World, scenario: Scenario, told: np.ndarray) -> np.ndarray:
+    """q (5,) near `told` (5,): flat on its edge, on the palm, the fingers at the object, where it
+    is nearer to that than ROUNDED and ROUNDED_ANGLE.
+    """
+    q, polygon = told.copy(), scenario.object.polygon
+    flat = palm_angle_under(scenario.palm, q[0])
+    for edge in polygon.resting_edges:
+        turn = np.remainder(polygon.resting_angle(edge) + flat - q[2] + np.pi, 2 * np.pi) - np.pi
+        if abs(turn) <= ROUNDED_ANGLE:
+            q[2] += turn
+    lying = pose_on_palm(world, q[0], q[2], palm_segment_under(scenario.palm, q[0]))
+    if abs(q[1] - lying[1]) <= ROUNDED:
+        q[1] = lying[1]
+    for side in (LEFT, RIGHT):
+        touching = closing_angle(world, q[:3], side)
+        if abs(q[3 + side] - touching) <= ROUNDED_ANGLE:
+            q[3 + side] = touching
     return q
 
 

@@ -28,7 +28,7 @@ def build_world(scenario: Scenario) -> World:
         scale=readonly([length, length, 1.0, 1.0, 1.0]),
         limits=readonly([f.angle_limits for f in both]),
         load=readonly([0.0, body.mass * g, 0.0, 0.0, 0.0]),
-        finger_moment=readonly([f.mass * g * f.length / 2 for f in both]),
+        finger_moment=readonly(scenario.finger_moments),
         inertias=readonly([body.mass, body.mass, body.inertia, both[0].inertia, both[1].inertia]),
         torque_limits=readonly([f.torque_limit for f in both]),
     )

@@ -31,11 +31,30 @@ class Backend(str, Enum):
     planar = 'planar'
 
 
+class Hardware(str, Enum):
+    """What the hand is: simulated by one of the backends, one that is there, or drives under
+    ros2_control.
+    """
+
+    pybullet = 'pybullet'
+    mujoco = 'mujoco'
+    planar = 'planar'
+    none = 'none'
+    ros2_control = 'ros2_control'
+
+
 class Pacing(str, Enum):
     """Clock of the ROS graph: the wall clock, or simulated time that waits for every command."""
 
     realtime = 'realtime'
     lockstep = 'lockstep'
+
+
+class CommandStamps(str, Enum):
+    """What the stamps of joint commands are: of the joint states they answer, or their sender's."""
+
+    answered = 'answered'
+    arrival = 'arrival'
 
 
 class Storage(str, Enum):

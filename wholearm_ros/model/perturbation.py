@@ -70,6 +70,11 @@ class Perturbation:
             'noise_seed': self.noise_seed,
         }
 
+    @classmethod
+    def from_dict(cls, told: dict[str, Any]) -> 'Perturbation':
+        """The inverse of `to_dict`; raises TypeError or ValueError for anything else."""
+        return cls(**told)
+
 
 NOMINAL = Perturbation()
 
@@ -90,6 +95,11 @@ def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario
         velocity_noise=level * VELOCITY_NOISE,
         noise_seed=int(rng.integers(2**31)),
     )
+
+
+def numbered_perturbation(level: float, number: int, scenario: Scenario) -> Perturbation:
+    """The draw of that number at `level`, always the same."""
+    return draw_perturbation(np.random.default_rng(number), level, scenario)
 
 
 def _draw_offsets(rng: np.random.Generator, size: float, vertices: np.ndarray) -> np.ndarray:

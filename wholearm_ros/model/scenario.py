@@ -119,6 +119,12 @@ class Scenario:
     name: str = ''
 
     @property
+    def finger_moments(self) -> tuple[float, float]:
+        """m g L / 2 [N m] of the left and the right finger: what holds them level."""
+        g, left, right = self.gravity.in_plane, self.hand.left, self.hand.right
+        return left.mass * g * left.length / 2, right.mass * g * right.length / 2
+
+    @property
     def to_be_felt(self) -> bool:
         """Whether nobody knows yet where the object lies."""
         return isinstance(self.start, StartOnEdge) and self.start.felt

@@ -1,5 +1,6 @@
 """The simulated hand as a node, in real time or in lockstep. Replace it with yours."""
 
+import json
 import sys
 import threading
 import time
@@ -10,14 +11,24 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from wholearm_ros.control.command_watchdog import BRAKE, STOPPED, ZERO_TORQUE, CommandWatchdog
+from wholearm_ros.control.command_watchdog import (
+    BRAKE,
+    WAITING_FOR_RESET,
+    CommandWatchdog,
+)
 from wholearm_ros.control.periodic_timer import PeriodicTimer
-from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
-from wholearm_ros.model.choices import Pacing
-from wholearm_ros.model.hand import SIDES
+from wholearm_ros.model.choices import CommandStamps, Pacing, values
+from wholearm_ros.model.perturbation import numbered_perturbation
+from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.common_parameters import PACING, SCENARIO, scenario_of
+from wholearm_ros.ros.interface.common_parameters import (
+    COMMAND_TIMEOUT,
+    HOLD_TIME,
+    PACING,
+    SCENARIO,
+    scenario_of,
+)
 from wholearm_ros.ros.interface.frames import Frames
 from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, JointReading
 from wholearm_ros.ros.interface.messages import (
@@ -25,9 +36,9 @@ from wholearm_ros.ros.interface.messages import (
     joint_states_bytes,
     pose_message,
     set_stamp,
-    to_command,
+    to_commands,
 )
-from wholearm_ros.ros.interface.parameters import Declared
+from wholearm_ros.ros.interface.parameters import Declared, ParameterError
 from wholearm_ros.ros.node.loop_meter import LoopMeter
 from wholearm_ros.ros.node.node import ERROR, OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
@@ -40,18 +51,28 @@ DECLARED = (
     PACING,
     Declared('backend', DEFAULT_BACKEND, 'the physics; planar is always there', choices=BACKENDS),
     Declared('view', False, "PyBullet's window, where there is a screen"),
+    Declared(
+        'perturb',
+        0.0,
+        'level of errors unknown to everybody else: mass, shape, friction, delay, torque, noise',
+        0.0,
+        10.0,
+    ),
+    Declared('perturb_number', 0, 'which of the draws at that level', 0, 1_000_000),
     Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
     Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),
+    COMMAND_TIMEOUT,
     Declared(
-        'command_timeout',
-        0.015,
-        'age of a command beyond which the drives hold the fingers; realtime [s]',
-        0.002,
-        1.0,
+        'command_stamps',
+        CommandStamps.answered.value,
+        'answered: of the joint states they answer; arrival: any within stamp_tolerance of the '
+        "clock, or 0, as ros2_control's are; realtime only",
+        choices=values(CommandStamps),
     ),
     Declared(
-        'hold_time', 0.5, 'of holding, after which their torque is zero; realtime [s]', 0.0, 60.0
+        'stamp_tolerance', 0.1, 'of the stamps of commands that count on arrival [s]', 0.0, 10.0
     ),
+    HOLD_TIME,
     Declared(
         'lockstep_timeout',
         10.0,
@@ -76,9 +97,16 @@ class HandHardware(WholeArmNode):
         p, self.scenario = self.parameters, scenario_of(self.parameters)
         self.lockstep = p.pacing == Pacing.lockstep.value
         self.period = round(NANOSECONDS / p.motor_rate)  # [ns]
+        self.by_arrival = p.command_stamps == CommandStamps.arrival.value
+        if self.by_arrival and self.lockstep:
+            raise ParameterError(
+                'hand_hardware: command_stamps: got arrival in lockstep, which waits for commands '
+                'with its own stamps; allowed: answered'
+            )
 
-        self.hand = make_hand(p.backend, self.scenario, rate=p.motor_rate, view=p.view)
-        self.start = start_configuration(self.scenario)
+        self.perturbation = numbered_perturbation(p.perturb, p.perturb_number, self.scenario)
+        self.hand = make_hand(p.backend, self.scenario, p.motor_rate, self.perturbation, p.view)
+        self.start = perturbed_start(self.scenario, self.hand.scenario)
         self.hand.step(np.zeros(2))  # whatever must be compiled is compiled now
         self.hand.reset(self.start)
         hand = self.scenario.hand
@@ -86,6 +114,7 @@ class HandHardware(WholeArmNode):
             [hand.left.torque_limit, hand.right.torque_limit],
             round(p.command_timeout * NANOSECONDS),
             round(p.hold_time * NANOSECONDS),
+            round(p.stamp_tolerance * NANOSECONDS) if self.by_arrival else None,
         )
         self.steps, self.told_state, self.meter = 0, BRAKE, LoopMeter()
         self.pose_every = max(1, round(p.motor_rate / p.object_pose_rate))
@@ -118,12 +147,14 @@ class HandHardware(WholeArmNode):
 
     def on_command(self, message: JointReading) -> None:
         """In lockstep the second command of a stamp lets time go on."""
-        stamp, joint, effort = to_command(message)
+        commands, stamp = to_commands(message), message.stamp
         with self.lock:
-            taken = self.guard.command(joint, stamp, effort, self.now)
-            if taken:
+            if self.by_arrival and stamp:  # of the sender's clock; ours may lag behind it
+                stamp += self.now - self.get_clock().now().nanoseconds
+            taken = [self.guard.command(k, stamp, effort, self.now) for k, effort in commands]
+            if any(taken):
                 self.meter.answered(stamp)
-            if taken and self.lockstep and self.guard.both_at(self.now):
+            if any(taken) and self.lockstep and self.guard.both_at(self.now):
                 self.answered = time.monotonic()
                 self.advance(self.now + self.period, self.guard.decide(self.now))
 
@@ -200,17 +231,13 @@ class HandHardware(WholeArmNode):
         """State of the drives, figures of the loop; an error where they wait for a reset."""
         guard, waiting = self.guard, time.monotonic() - self.answered
         values = {
-            'state': guard.state,
+            **guard.figures(),
             'pacing': self.parameters.pacing,
             'stamp': self.now,
             'steps': self.steps,
-            'late commands': guard.late,
-            'commands at the limit': guard.saturated,
-            'watchdog trips': guard.trips,
+            channels.PERTURBATION: json.dumps(self.perturbation.to_dict()),
+            **self.meter.figures(),
         }
-        for side, taken, newest in zip(SIDES, guard.taken, guard.newest):
-            values.update({f'{side} commands': taken, f'{side} newest': newest})
-        values.update(self.meter.figures())
         if not self.lockstep:
             values.update(
                 {
@@ -220,10 +247,8 @@ class HandHardware(WholeArmNode):
                     'slipped ms': self.timer.slipped / 1e6,
                 }
             )
-        if guard.state == ZERO_TORQUE:
-            return ERROR, 'commands stopped: zero torque until hand_hardware/reset', values
-        if guard.state == STOPPED:
-            return ERROR, 'stopped on request: the drives hold until hand_hardware/reset', values
+        if guard.state in WAITING_FOR_RESET:
+            return ERROR, WAITING_FOR_RESET[guard.state], values
         if self.lockstep and guard.state != BRAKE and waiting > self.parameters.lockstep_timeout:
             return WARN, f'waiting {waiting:.0f} s for the commands of one step', values
         return OK, guard.state, values

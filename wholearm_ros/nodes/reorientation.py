@@ -9,7 +9,6 @@ from typing import Any
 
 from action_msgs.msg import GoalInfo
 from diagnostic_msgs.msg import DiagnosticStatus
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import String
 
@@ -38,6 +37,7 @@ from wholearm_ros.ros.interface.messages import (
     goal_id_of,
     goal_message,
     goal_name,
+    parameter_request,
     to_goal_id,
     to_nanoseconds,
     values_of,
@@ -48,7 +48,7 @@ from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
-    SCENARIO,
+    replace(SCENARIO, read_only=False),
     Declared(
         'max_attempts', MAX_ATTEMPTS, 'trajectories at most for one goal', 1, 20, read_only=False
     ),
@@ -103,10 +103,10 @@ class Reorientation(WholeArmNode):
     # -- goals of clients
 
     def on_goal(self, message: GoalInfo) -> None:
-        """Accepted unless another one is active; any id, the scenario is the configured one."""
+        """Accepted unless another one is active; any id, the scenario is the parameter's now."""
         goal = goal_id_of(message)
         zero = '' if goal != NO_GOAL else 'the goal id is zero; allowed: any other UUID'
-        reason = self.goals.busy or zero
+        reason = self.goals.busy or zero or self.read_scenario()
         if reason:
             self.get_logger().warning(f'rejected: {reason}')
             self.goals.reject(message, reason)
@@ -118,6 +118,14 @@ class Reorientation(WholeArmNode):
         self.stop = None
         self.supervision = Supervision(self.scenario, self.parameters.max_attempts)
         self.decide(self.supervision.begin())
+
+    def read_scenario(self) -> str:
+        """Why the scenario that is configured now cannot be pursued; '' when it can."""
+        try:
+            self.scenario = scenario_of(self.parameters)
+        except WholeArmError as error:
+            return str(error)
+        return ''
 
     def on_cancel(self, message: GoalInfo) -> None:
         """At once while planning; while executing the hand comes to a hold first."""
@@ -171,8 +179,7 @@ class Reorientation(WholeArmNode):
 
     def configure_planner(self, scenario: str, then: Callable[[Any], None] | None) -> None:
         """Tell the planner its scenario, a document or what the parameter was."""
-        value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=scenario)
-        request = SetParameters.Request(parameters=[Parameter(name='scenario', value=value)])
+        request = parameter_request('scenario', scenario)
         if then is None:
             self.planner_parameters.call_async(request)
         else:

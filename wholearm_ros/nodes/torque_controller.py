@@ -20,7 +20,8 @@ MOTOR_RATE = Declared(
 class TorqueController(ControllerNode):
     """torque_setpoint, joint_states → joint_commands.
 
-    The effort from which the rate of change is limited is the one that the drives report.
+    The effort from which the rate of change is limited is the one that the drives report, or the
+    last one commanded where they report none.
     """
 
     def __init__(self) -> None:
@@ -35,7 +36,9 @@ class TorqueController(ControllerNode):
     def effort(self, setpoint: TorqueSetpoint, joints: Joints) -> float:
         """[N m] of the joint `setpoint.joint`."""
         j = setpoint.joint
-        before = joints.efforts[j] if math.isfinite(joints.efforts[j]) else 0.0
+        before = joints.efforts[j]
+        if not math.isfinite(before):
+            before = self.last_efforts[j]
         return torque_effort(
             self.hand[j],
             setpoint,

@@ -14,7 +14,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
 from wholearm_ros.estimation.claim import Claim, reported_as_kept, reported_claim
-from wholearm_ros.estimation.feel import Feeler
+from wholearm_ros.estimation.feel import Feeler, Felt
 from wholearm_ros.estimation.hold import hold_to_feel
 from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.choices import Pacing
@@ -97,6 +97,7 @@ class TrajectoryGenerator(WholeArmNode):
         self.scenario = scenario_of(self.parameters)
         self.feeler = Feeler(self.scenario)
         self.claimed: Claim | None = None
+        self.felt_before: Felt | None = None  # by the probe before this goal's, nothing moved since
 
         self.joint_trajectory = self.publisher(channels.JOINT_TRAJECTORY)
         self.manipulation_trajectory = self.publisher(channels.MANIPULATION_TRAJECTORY)
@@ -150,6 +151,7 @@ class TrajectoryGenerator(WholeArmNode):
             set_stamp(info.stamp, self.last_stamp)
             self.goals.accept(info)
             self.goals.publish_status()
+            self.felt_before = self.claimed.felt if self.claimed and goal == FEEL_GOAL else None
             self.silence, self.claimed = 0.0, None
             self.watch()
 
@@ -232,7 +234,12 @@ class TrajectoryGenerator(WholeArmNode):
             if executed is self.trajectory:
                 self.kept = reported_as_kept(self.feeler, executed, self.progress)
             self.claimed = reported_claim(
-                self.feeler, self.scenario, executed.probe, self.progress, self.kept
+                self.feeler,
+                self.scenario,
+                executed.probe,
+                self.progress,
+                self.kept,
+                self.felt_before,
             )
             reached = self.claimed.outcome in (AT_GOAL, UNVERIFIED)
             self.end(SUCCEEDED if reached else ABORTED, self.claimed.reason)

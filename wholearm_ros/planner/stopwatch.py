@@ -15,15 +15,19 @@ class Stopwatch:
         self.timings = dict.fromkeys((PLAN, GENERATE, VERIFY), 0.0)
         self._began = time.monotonic()
 
+    def elapsed(self) -> float:
+        """[s] since it was made."""
+        return time.monotonic() - self._began
+
     def late(self) -> bool:
         """Whether no further candidate should be begun: what follows a search needs a tenth of the
         budget.
         """
-        return time.monotonic() - self._began > 0.9 * self.budget
+        return self.elapsed() > 0.9 * self.budget
 
     def over(self) -> bool:
         """Whether all of the budget is spent."""
-        return time.monotonic() - self._began > self.budget
+        return self.elapsed() > self.budget
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:

@@ -1,5 +1,9 @@
-"""The last run in a bag (MCAP or sqlite3), read without ROS."""
+"""The runs in a bag (MCAP or sqlite3), read without ROS."""
 
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +16,7 @@ from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.model.modes import DONE, PLANNED_MODES, STOPPED
 from wholearm_ros.model.orientation import start_rotation
 from wholearm_ros.model.outcomes import SUCCEEDED
-from wholearm_ros.model.perturbation import NOMINAL
+from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
@@ -29,34 +33,63 @@ READ = (
     'mode_switcher/progress',
     'trajectory_generator/result',
     'contact_state_planner/status',
+    'diagnostics',
+    'reorientation/feedback',
+    'reorientation/result',
 )
+YEAR_2000 = 946_684_800 * 10**9  # [ns] log times before it are those of a clock that began at 0
 ESTIMATE_AGE = 0.1  # [s] up to which an estimate is shown
 SETTLE = 0.5  # [s] shown after the end
 RUNNING = ('quasi_static', 'dwell', 'dynamic', 'caging')
 
 
-def read_bag(path: Path) -> tuple[ContactPlan, ManipulationTrajectory, RunView]:
+Told = tuple[ContactPlan, ManipulationTrajectory, RunView]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedRuns:
+    """runs: of a plan each, in order; motions: what the supervisor says came of each motion, those
+    that only felt included, as `reorientation/result` has them; none when nobody supervised.
+    """
+
+    runs: tuple[Told, ...]
+    motions: tuple[dict[str, Any], ...] = ()
+
+    @property
+    def several(self) -> bool:
+        """Whether there is more to tell than the last run."""
+        return len(self.runs) > 1 or len(self.motions) > 1
+
+
+def read_bag(path: Path) -> Told:
+    """The last run in a bag. Raises BagError when it cannot be read or holds no run."""
+    return read_runs(path).runs[-1]
+
+
+def read_runs(path: Path) -> RecordedRuns:
     """Raises BagError when the bag cannot be read or holds no run."""
-    heard = _messages(Path(path))
+    path = Path(path)
+    heard = _messages(path)
     lacking = [topic for topic in NEEDED if not heard[topic]]
     if lacking:
         raise BagError(
             f'{path}: holds no run, nothing on {", ".join(lacking)}; '
             'allowed: a bag recorded from planning to the end of a run'
         )
-    began = _began(heard)
-    told = [t for t in heard['manipulation_trajectory'] if t[0] <= began[0]] or heard[
-        'manipulation_trajectory'
-    ][:1]
-    trajectory = ManipulationTrajectory.from_json(told[-1][1].data)
-    plans = [ContactPlan.from_json(message.data) for _, message in heard['contact_plan']]
-    plan = next((p for p in reversed(plans) if p.id == trajectory.plan_id), None)
-    if plan is None:
+    plans = {p.id: p for p in (ContactPlan.from_json(m.data) for _, m in heard['contact_plan'])}
+    runs: list[Told] = []
+    for began, until in _runs(heard):
+        trajectory = _trajectory(heard, began[0])
+        plan = plans.get(trajectory.plan_id)
+        if plan is not None:  # else the hand only felt
+            view = _view(path, _before(heard, until), plan, trajectory, began)
+            runs.append((plan, trajectory, view))
+    if not runs:
         raise BagError(
             f'{path}: the plan {trajectory.plan_id} of its trajectory is not in it; '
             'allowed: a bag recorded from planning to the end of a run'
         )
-    return plan, trajectory, _view(path, heard, plan, trajectory, began)
+    return RecordedRuns(tuple(runs), _motions(heard))
 
 
 def _messages(path: Path) -> dict[str, Timed]:
@@ -65,19 +98,47 @@ def _messages(path: Path) -> dict[str, Timed]:
         return bag.timed_messages(READ)
 
 
-def _began(heard: dict[str, Timed]) -> tuple[int, float]:
-    """(log time [ns], stamp [s]) of the last run's first setpoint."""
+def _runs(heard: dict[str, Timed]) -> Iterator[tuple[tuple[int, float], float]]:
+    """((log time [ns], stamp [s]) of a run's first setpoint, log time of the next run's) of every
+    run, in order.
+    """
     modes = [(when, message.data) for when, message in heard['mode_switcher/mode']]
     begins = [
         when
         for k, (when, mode) in enumerate(modes)
         if mode in PLANNED_MODES and (k == 0 or modes[k - 1][1] not in PLANNED_MODES)
     ]
-    setpoints = heard['velocity_setpoint']
-    first = 0
-    if len(begins) > 1:  # setpoints of the run before may go on right up to this one
-        first = max(0, sum(when <= begins[-1] for when, _ in setpoints) - 1)
-    return setpoints[first][0], _stamp(setpoints[first][1])
+    setpoints, firsts = heard['velocity_setpoint'], [0]
+    for begin in begins[1:]:  # setpoints of the run before may go on right up to this one
+        firsts.append(max(0, sum(when <= begin for when, _ in setpoints) - 1))
+    starts = [setpoints[first] for first in firsts]
+    ends = [*(when for when, _ in starts[1:]), float('inf')]
+    for (when, setpoint), until in zip(starts, ends):
+        yield (when, _stamp(setpoint)), until
+
+
+def _before(heard: dict[str, Timed], until: float) -> dict[str, Timed]:
+    """What was logged before a time [ns]."""
+    if until == float('inf'):
+        return heard
+    return {topic: [t for t in timed if t[0] < until] for topic, timed in heard.items()}
+
+
+def _trajectory(heard: dict[str, Timed], began: int) -> ManipulationTrajectory:
+    """The newest when a run began."""
+    told = heard['manipulation_trajectory']
+    before = [timed for timed in told if timed[0] <= began] or told[:1]
+    return ManipulationTrajectory.from_json(before[-1][1].data)
+
+
+def _motions(heard: dict[str, Timed]) -> tuple[dict[str, Any], ...]:
+    """Of the last goal of the supervisor; none when what it says cannot be read."""
+    said = heard['reorientation/result'] or heard['reorientation/feedback']
+    try:
+        told = json.loads(values_of(said[-1][1]).get('tries') or '[]') if said else []
+    except ValueError:
+        return ()
+    return tuple(one for one in told if isinstance(one, dict)) if isinstance(told, list) else ()
 
 
 def _view(
@@ -99,12 +160,13 @@ def _view(
     start = _trajectory_start(heard, began[1], over)
     stamps, times = joints[:, 0], joints[:, 0] - start
     poses, known = _poses(heard['object_pose'], stamps, plan.scenario)
-    succeeded = result.get('outcome') == SUCCEEDED
-    reason = '' if succeeded else result.get('reason', 'the bag ends before the run does')
+    stopped = any(m.data == STOPPED for when, m in heard['mode_switcher/mode'] if when > began[0])
+    ended = result.get('outcome') == SUCCEEDED or (bool(result) and not stopped)
+    reason = '' if ended else result.get('reason', 'the bag ends before the run does')
     modes = _modes(trajectory, times, STOPPED if reason and result else '', over - start)
     judged = None
     if known:
-        nothing = np.zeros_like(poses)
+        nothing, perturbation = np.zeros_like(poses), _perturbation(heard['diagnostics'])
         judged = outcome(
             plan.scenario,
             RunRecord(
@@ -116,8 +178,8 @@ def _view(
                 nothing,
                 modes,
                 reason,
-                plan.scenario,
-                NOMINAL,
+                perturbation.applied(plan.scenario),
+                perturbation,
             ),
         )
     return RunView(
@@ -129,9 +191,23 @@ def _view(
         modes,
         judged,
         reason,
-        _facts(path, heard, began),
+        _facts(path, heard, began, result),
         _estimates(heard['object_estimate'], stamps),
     )
+
+
+def _perturbation(messages: Timed) -> Perturbation:
+    """Of a simulated hand that tells it, else nominal: the truth by which a run is judged."""
+    for _, message in messages:
+        for status in message.status:
+            told = values_of(status).get('perturbation')
+            if told is None:
+                continue
+            try:
+                return Perturbation.from_dict(json.loads(told))
+            except (ValueError, TypeError):
+                return NOMINAL
+    return NOMINAL
 
 
 def _trajectory_start(heard: dict[str, Timed], began: float, over: float) -> float:
@@ -175,8 +251,9 @@ def _joints(messages: Timed) -> np.ndarray:
     rows = {}
     for _, m in messages:
         order = [list(m.name).index(name) for name in JOINT_NAMES]
+        efforts = m.effort if len(m.effort) else np.full(len(m.name), np.nan)  # not measured
         rows[_stamp(m)] = np.concatenate(
-            [[_stamp(m)], *(values[order] for values in (m.position, m.velocity, m.effort))]
+            [[_stamp(m)], *(values[order] for values in (m.position, m.velocity, efforts))]
         )
     return np.array([rows[stamp] for stamp in sorted(rows)])
 
@@ -210,11 +287,19 @@ def _estimates(messages: Timed, stamps: np.ndarray) -> np.ndarray | None:
     return np.where(old[:, None], np.nan, poses)
 
 
-def _facts(path: Path, heard: dict[str, Timed], began: tuple[int, float]) -> dict[str, Any]:
-    facts = {'source': f'bag {Path(path).name}'}
-    for _, message in heard['contact_state_planner/status'][::-1]:
+def _facts(
+    path: Path, heard: dict[str, Timed], began: tuple[int, float], result: dict[str, str]
+) -> dict[str, Any]:
+    path = Path(path).absolute()
+    facts = {'source': path.name if path.name != 'bag' else f'{path.parent.name}/bag'}
+    if began[0] > YEAR_2000:
+        date = datetime.fromtimestamp(began[0] / NANOSECONDS, timezone.utc)
+        facts['recorded'] = date.strftime('%Y-%m-%d %H:%M:%S UTC')
+    if result.get('claimed'):
+        facts['claimed'] = f'{result["claimed"]}: {result.get("reason", "")}'
+    for when, message in heard['contact_state_planner/status'][::-1]:
         values = values_of(message)
-        if 'plan_ms' in values:
+        if 'plan_ms' in values and when <= began[0]:
             facts |= {
                 f'{name.removesuffix("_ms")} time': f'{float(values[name]):.0f} ms'
                 for name in ('plan_ms', 'generate_ms', 'verify_ms')

@@ -7,20 +7,18 @@ from typing import Any, Union
 from wholearm_ros.errors import DocumentError, WholeArmError
 from wholearm_ros.model.plan import FORMAT as PLAN_FORMAT
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.report.bag_run import read_bag
+from wholearm_ros.report.bag_run import RecordedRuns, Told, read_runs
 from wholearm_ros.report.run_document import FORMAT as RUN_FORMAT
 from wholearm_ros.report.run_document import read_run_document
-from wholearm_ros.report.run_view import RunView
 
 SUITE_FORMAT = 'wholearm-suite-result/1'
 MAX_BYTES = 200_000_000
-Told = tuple[ContactPlan, ManipulationTrajectory, RunView]
-Source = Union[Told, ContactPlan, dict[str, Any]]
+Source = Union[Told, RecordedRuns, ContactPlan, dict[str, Any]]
 
 
 def read_source(path: Path) -> Source:
-    """(plan, trajectory, run), a plan alone, or the document of a suite's result.
+    """(plan, trajectory, run), several of them with what the supervisor said, a plan alone, or the
+    document of a suite's result.
 
     Raises a WholeArmError that says what is wrong.
     """
@@ -32,7 +30,8 @@ def read_source(path: Path) -> Source:
             '`wholearm suite --json`'
         )
     if path.is_dir() or path.suffix in ('.mcap', '.db3'):
-        return read_bag(_bag_of(path))
+        recorded = read_runs(_bag_of(path))
+        return recorded if recorded.several else recorded.runs[-1]
     if path.stat().st_size > MAX_BYTES:
         raise DocumentError(f'{path}: {path.stat().st_size} bytes; allowed: at most {MAX_BYTES}')
     return _document(path)

@@ -21,9 +21,7 @@ class Drives:
     def __init__(self, scenario: Scenario, perturbation: Perturbation, dt: float) -> None:
         fingers = (scenario.hand.left, scenario.hand.right)
         self._limits = np.array([f.torque_limit for f in fingers])
-        self._weights = np.array(
-            [f.mass * scenario.gravity.in_plane * f.length / 2 for f in fingers]
-        )  # [N m] at θ = 0
+        self._weights = np.array(scenario.finger_moments)  # [N m] at θ = 0
         self._factors = perturbation.torque_factors
         self._delay = int(round(perturbation.actuation_delay / dt))
         self.reset(np.zeros(2))

@@ -143,14 +143,17 @@ class HandSession:
         record = lead(self.hand, execution, loop, self.perturbation)
         if planned:
             self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
-        said = self._claim(record, probe, scenario)
+        said = self._claim(record, probe, scenario, planned)
         self.motions.append(Motion(trajectory, record, said, planned))
         return said
 
-    def _claim(self, record: RunRecord, probe: Probe | None, scenario: Scenario) -> Claim:
+    def _claim(
+        self, record: RunRecord, probe: Probe | None, scenario: Scenario, planned: bool
+    ) -> Claim:
         if probe is None:
             return Claim(UNVERIFIED, 'no probe was made')
         if record.reason:
             return Claim(UNKNOWN, f'stopped: {record.reason}')
-        felt = self.feeler.feel(probe, np.array(record.pairs), record.interrupted)
+        before = self.motions[-1].claim.felt if self.motions and not planned else None
+        felt = self.feeler.feel(probe, np.array(record.pairs), record.interrupted, before)
         return claim(self.feeler, scenario, felt, self.tracked)

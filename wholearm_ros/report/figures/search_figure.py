@@ -24,7 +24,7 @@ from wholearm_ros.report.figures.palette import (
     SIDE_COLOURS,
 )
 
-WIDTH, TEXT = 6.5, 1.1  # [inch] of the figure; above the drawing, for the words
+WIDTH, TEXT, KEY = 6.5, 1.1, 0.25  # [inch] of the figure; above the drawing, with words or without
 COLUMNS = 95  # of the reason
 REACHED = '#9a9a9a'
 NOWHERE = readonly(np.empty((0, 3)))
@@ -44,8 +44,9 @@ def draw_reached(scenario: Scenario, words: str, reached: np.ndarray = NOWHERE) 
     goal = _goal_pose(scenario, poses)
     box = view_box(scenario, np.vstack([poses, goal]), q[None, 3:])
     height = WIDTH * (box[3] - box[2]) / (box[1] - box[0])
-    figure = new_figure(WIDTH, height + TEXT)
-    share = height / (height + TEXT)
+    above = TEXT if words else KEY
+    figure = new_figure(WIDTH, height + above)
+    share = height / (height + above)
     axes = figure.add_axes((0, 0, 1, share), xlim=box[:2], ylim=box[2:], aspect='equal')
     axes.axis('off')
     thin = [object_outline(scenario, pose) for pose in poses[1:]]
@@ -59,7 +60,7 @@ def draw_reached(scenario: Scenario, words: str, reached: np.ndarray = NOWHERE) 
     dashed = PolyCollection([end], facecolors='none', edgecolors=PLANNED, linestyles='--')
     axes.add_collection(dashed)
     text = textwrap.fill(words, COLUMNS, max_lines=4)
-    top = 1 - 0.12 / (height + TEXT)
+    top = 1 - 0.12 / (height + above)
     figure.text(0.02, top, text, fontsize=8.5, color=INK, va='top')
     key = 'filled: start    dashed: goal'
     if len(poses) > 1:

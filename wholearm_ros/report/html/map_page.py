@@ -7,9 +7,9 @@ import numpy as np
 
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.face_map import FaceMap, Way
-from wholearm_ros.report.figures.canvas import svg_text
 from wholearm_ros.report.figures.map_figure import draw_map
 from wholearm_ros.report.figures.palette import MODE_COLOURS, MODE_NAMES
+from wholearm_ros.report.html.figure import figure_in_page
 from wholearm_ros.report.html.page import asset, page, table
 from wholearm_ros.report.html.scene import numbers, scene
 from wholearm_ros.trajectory.main_trajectory import generate
@@ -25,7 +25,7 @@ def map_page(scenario: Scenario, face_map: FaceMap) -> str:
     for key, value in (
         ('title', escape(name)),
         ('reach', f'{reach:.0f}'),
-        ('picture', svg_text(draw_map(scenario, face_map))),
+        ('picture', figure_in_page(draw_map(scenario, face_map))),
         ('routes', _routes(face_map)),
         ('ways', _ways(face_map)),
     ):

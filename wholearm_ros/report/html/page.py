@@ -11,22 +11,12 @@ ASSETS = Path(__file__).parent / 'assets'
 
 def page(title: str, body: str, data: dict[str, Any], script: str, plots: bool = True) -> str:
     """script: the file in assets/ that brings the page to life; it finds `data` in REPORT; plots:
-    whether it draws plots, for which the page then holds the library.
+    whether it draws plots.
     """
-    values = json.dumps(data, separators=(',', ':'), allow_nan=False).replace('</', '<\\/')
-    scripts = (
-        _plotly() if plots else '',
-        f'const REPORT = {values};',
-        f'\n{asset("theme.js")}{asset("scene.js")}{asset(script)}',
-    )
+    values = json.dumps(data, separators=(',', ':'), allow_nan=False).replace('<', '\\u003c')
+    assets = ('theme.js', 'scene.js', *(('plots.js',) if plots else ()), script)
+    scripts = f'const REPORT = {values};', '\n' + ''.join(map(asset, assets))
     return _document(title, body, ''.join(f'<script>{text}</script>\n' for text in scripts))
-
-
-def _plotly() -> str:
-    from plotly.offline import get_plotlyjs  # 5 MB, only when a report is made
-
-    text: str = get_plotlyjs()
-    return text
 
 
 def still_page(title: str, body: str) -> str:
@@ -50,9 +40,19 @@ def asset(name: str) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[Any]], kind: str = '') -> str:
-    """Cells are text; what begins with a '<' kept as it is must come through `raw`."""
-    top = ''.join(f'<th>{cell(c)}</th>' for c in head)
-    lines = ''.join('<tr>' + ''.join(f'<td>{cell(c)}</td>' for c in row) + '</tr>' for row in rows)
+    """Cells are text; what begins with a '<' kept as it is must come through `raw`.
+
+    kind: CSS class; the rows of a `long` table become blocks on a narrow page, each cell with its
+    heading.
+    """
+    names = [cell(name) for name in head]
+    top = ''.join(f'<th>{name}</th>' for name in names)
+    lines = ''.join(
+        '<tr>'
+        + ''.join(f'<td data-name="{n}">{cell(c)}</td>' for n, c in zip(names, row))
+        + '</tr>'
+        for row in rows
+    )
     head_and_body = f'<thead><tr>{top}</tr></thead><tbody>{lines}</tbody>'
     return f'<div class="scroll"><table class="{kind}">{head_and_body}</table></div>'
 

@@ -5,9 +5,9 @@ from html import escape
 
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario_file import scenario_to_dict
-from wholearm_ros.report.figures.canvas import svg_text
 from wholearm_ros.report.figures.graph_figure import draw_graph
 from wholearm_ros.report.figures.search_figure import draw_search
+from wholearm_ros.report.html.figure import figure_in_page
 from wholearm_ros.report.html.page import asset, facts, still_page
 from wholearm_ros.report.versions import versions
 
@@ -15,12 +15,12 @@ from wholearm_ros.report.versions import versions
 def plan_page(plan: ContactPlan) -> str:
     """HTML: the verdict, what was reached, the contact states, the figures of the search."""
     name = plan.scenario.name or 'plan'
-    graph = svg_text(draw_graph(plan)) if plan.subgoals else '<p>None was reached.</p>'
+    graph = figure_in_page(draw_graph(plan)) if plan.subgoals else '<p>None was reached.</p>'
     body = asset('plan.html')
     for key, value in (
         ('title', escape(name)),
         ('verdict', _verdict(plan)),
-        ('picture', svg_text(draw_search(plan))),
+        ('picture', figure_in_page(draw_search(plan))),
         ('graph', graph),
         ('facts', _facts(plan)),
         ('scenario', escape(json.dumps(scenario_to_dict(plan.scenario), indent=1))),

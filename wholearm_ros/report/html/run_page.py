@@ -7,9 +7,9 @@ from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.report.figures.canvas import svg_text
 from wholearm_ros.report.figures.graph_figure import draw_graph
 from wholearm_ros.report.figures.palette import MODE_COLOURS, MODE_NAMES
+from wholearm_ros.report.html.figure import figure_in_page
 from wholearm_ros.report.html.page import asset, facts, page, raw, table
 from wholearm_ros.report.html.run_data import run_data
 from wholearm_ros.report.run_view import RunView, errors
@@ -26,7 +26,7 @@ def run_page(plan: ContactPlan, trajectory: ManipulationTrajectory, run: RunView
         ('title', escape(name)),
         ('verdict', _verdict(run)),
         ('summary', _summary(plan, trajectory, run)),
-        ('graph', svg_text(draw_graph(plan))),
+        ('graph', figure_in_page(draw_graph(plan))),
         ('modes', _modes(trajectory)),
         ('errors', _errors(trajectory, run)),
         ('facts', _facts(plan, trajectory, run)),
@@ -113,6 +113,7 @@ def _transitions(trajectory: ManipulationTrajectory) -> str:
             'condition 2',
         ],
         rows,
+        'long',
     )
 
 

@@ -80,7 +80,22 @@ def _task(task: dict[str, Any]) -> dict[str, Any]:
             'error',
         )
     }
-    return {**kept, 'kind': _kind(task), 'run': _run(task)}
+    return {**kept, 'kind': _kind(task), 'run': _run(task), 'shape': _shape(task)}
+
+
+def _shape(task: dict[str, Any]) -> Any:
+    """The object's outline as it lies at the start (n, 2) [mm]; None in a result without it."""
+    if 'scenario' not in task:
+        return None
+    vertices, start = np.array(task['scenario']['object']['vertices']), task['scenario']['start']
+    if 'pose' in start:
+        turn = start['pose'][2]
+    else:
+        k = start.get('edge', 0)
+        along = vertices[(k + 1) % len(vertices)] - vertices[k]
+        turn = -np.arctan2(along[1], along[0])
+    c, s = np.cos(turn), np.sin(turn)
+    return numbers(1e3 * vertices @ np.array([[c, s], [-s, c]]), 1)
 
 
 def _run(task: dict[str, Any]) -> dict[str, Any] | None:
@@ -156,4 +171,4 @@ def _options(documents: list[dict[str, Any]]) -> str:
         [str(d[name]).rsplit('/', 1)[-1] if name == 'suite' else d[name] for name in names]
         for d in documents
     ]
-    return table(names, rows)
+    return table(names, rows, 'long')

@@ -5,6 +5,8 @@ from pathlib import Path
 
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.report.bag_run import RecordedRuns
+from wholearm_ros.report.html.attempts_page import attempts_page
 from wholearm_ros.report.html.plan_page import plan_page
 from wholearm_ros.report.html.run_page import run_page
 from wholearm_ros.report.html.suite_page import suite_page
@@ -32,9 +34,16 @@ def write_report(sources: Sequence[Path], target: Path) -> Path:
     return target
 
 
+def page_of_bag(recorded: RecordedRuns) -> str:
+    """Of its run, or of all of them in a row."""
+    return attempts_page(recorded) if recorded.several else run_page(*recorded.runs[-1])
+
+
 def _page_of(source: Source) -> str:
     if isinstance(source, ContactPlan):
         return plan_page(source)
+    if isinstance(source, RecordedRuns):
+        return page_of_bag(source)
     assert isinstance(source, tuple)
     return run_page(*source)
 

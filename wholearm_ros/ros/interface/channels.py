@@ -92,6 +92,7 @@ HARDWARE_STOP = Service('hand_hardware/stop', Trigger)
 
 CLOCK = Topic('/clock', Clock, BEST_EFFORT)
 DIAGNOSTICS = Topic('/diagnostics', DiagnosticArray, RELIABLE)
+PERTURBATION = 'perturbation'  # in the diagnostics of a simulated hand: its errors, JSON
 GOAL_LISTENERS = 'goal listeners'  # in the diagnostics of reorientation, of `GOAL`
 
 TOPICS = tuple(v for v in list(globals().values()) if isinstance(v, Topic))

@@ -21,6 +21,17 @@ PACING = Declared(
     choices=values(Pacing),
 )
 
+COMMAND_TIMEOUT = Declared(
+    'command_timeout',
+    0.015,
+    'age of a command beyond which the drives hold the fingers; realtime [s]',
+    0.002,
+    1.0,
+)
+HOLD_TIME = Declared(
+    'hold_time', 0.5, 'of holding, after which their torque is zero; realtime [s]', 0.0, 60.0
+)
+
 _DEFAULTS = ControlOptions()
 KP = Declared('kp', _DEFAULTS.gains.kp, 'position gain [N m/rad]', 0.0, 10000.0, read_only=False)
 KD = Declared('kd', _DEFAULTS.gains.kd, 'velocity gain [N m s/rad]', 0.0, 1000.0, read_only=False)

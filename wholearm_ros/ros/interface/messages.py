@@ -2,7 +2,7 @@
 
 import math
 import uuid
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, Optional
 
 import numpy as np
@@ -10,6 +10,8 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped, Quaternion
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpoint
@@ -57,29 +59,42 @@ def joint_states_bytes(
     )
 
 
-def to_joints(message: JointReading) -> tuple[int, Joints]:
-    """Stamp [ns] and both joints, left then right, whatever their order in the message.
+def to_joints(message: JointReading, names: Sequence[str] = JOINT_NAMES) -> tuple[int, Joints]:
+    """Stamp [ns] and the joints of `names`, left then right, wherever among others they are in the
+    message.
 
-    Angles and velocities that are not finite come through: it is for the mode switch to stop on
-    them. Raises MessageError.
+    Efforts that are left out, or NaN, were not measured; that is how joint_state_broadcaster tells
+    of drives without an effort interface. Angles and velocities that are not finite come through:
+    it is for the mode switch to stop on them. Raises MessageError.
     """
-    if set(message.name) != set(JOINT_NAMES) or len(message.name) != 2:
+    places = places_of(names, message.name, 'joint_states')
+    angles, velocities = (_column(message, field, places) for field in ('position', 'velocity'))
+    efforts = _column(message, 'effort', places) if message.effort else np.full(2, np.nan)
+    if np.isinf(efforts).any():
         raise MessageError(
-            f'joint_states.name: got {_shown(message.name)}; allowed: {list(JOINT_NAMES)}'
+            f'joint_states.effort: got {_shown(list(message.effort))}; '
+            'allowed: finite numbers, NaN where none is measured'
         )
-    columns = []
-    for field in ('position', 'velocity', 'effort'):
-        values = getattr(message, field)
-        if len(values) != 2:
-            raise MessageError(f'joint_states.{field}: got {len(values)} numbers; allowed: 2')
-        if field == 'effort' and not all(map(math.isfinite, values)):
-            raise MessageError(
-                f'joint_states.effort: got {_shown(list(values))}; allowed: finite numbers'
-            )
-        columns.append(
-            np.array(values) if message.name[0] == JOINT_NAMES[0] else np.array(values)[::-1]
+    return message.stamp, Joints(message.stamp / NANOSECONDS, angles, velocities, efforts)
+
+
+def places_of(wanted: Sequence[str], names: Sequence[str], channel: str) -> list[int]:
+    """Where each of `wanted` is in `names`, once and only once. Raises MessageError."""
+    if any(names.count(name) != 1 for name in wanted):
+        raise MessageError(
+            f'{channel}.name: got {_shown(names)}; allowed: {list(wanted)}, once each, among others'
         )
-    return message.stamp, Joints(message.stamp / NANOSECONDS, *columns)
+    return [names.index(name) for name in wanted]
+
+
+def _column(message: JointReading, field: str, places: list[int]) -> np.ndarray:
+    values = getattr(message, field)
+    if len(values) != len(message.name):
+        raise MessageError(
+            f'joint_states.{field}: got {len(values)} numbers; allowed: {len(message.name)}, '
+            'one for each name'
+        )
+    return np.array([values[place] for place in places])
 
 
 def velocity_setpoint_bytes(stamp: int, setpoint: VelocitySetpoint) -> bytes:
@@ -111,10 +126,30 @@ def to_torque_setpoint(message: JointReading) -> TorqueSetpoint:
     return TorqueSetpoint(joint, message.effort[0])
 
 
-def to_command(message: JointReading) -> tuple[int, int, float]:
-    """Stamp [ns], joint, effort [N m]. Raises MessageError."""
-    joint = _one_joint('joint_commands', message, ('effort',))
-    return message.stamp, joint, message.effort[0]
+def to_commands(message: JointReading) -> list[tuple[int, float]]:
+    """(joint, effort [N m]) of each of our joints in the message, other joints beside them left
+    out. Raises MessageError, and then none of them counts.
+    """
+    if len(message.effort) != len(message.name):
+        raise MessageError(
+            f'joint_commands.effort: got {len(message.effort)} numbers; '
+            f'allowed: {len(message.name)}, one for each name'
+        )
+    commands = [
+        (JOINT_NAMES.index(name), effort)
+        for name, effort in zip(message.name, message.effort)
+        if name in JOINT_NAMES
+    ]
+    if not commands or len(dict(commands)) != len(commands):
+        raise MessageError(
+            f'joint_commands.name: got {_shown(message.name)}; '
+            f'allowed: one or both of {list(JOINT_NAMES)}, once each, among others'
+        )
+    if not all(math.isfinite(effort) for _, effort in commands):
+        raise MessageError(
+            f'joint_commands.effort: got {_shown(list(message.effort))}; allowed: finite numbers'
+        )
+    return commands
 
 
 def _one_joint(channel: str, message: JointReading, fields: tuple[str, ...]) -> int:
@@ -266,6 +301,12 @@ def status_message(
     return DiagnosticStatus(
         level=level, name=name, message=message, hardware_id='wholearm', values=pairs
     )
+
+
+def parameter_request(name: str, text: str) -> SetParameters.Request:
+    """Sets the parameter `name` of a node to a text."""
+    value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=text)
+    return SetParameters.Request(parameters=[Parameter(name=name, value=value)])
 
 
 def values_of(message: DiagnosticStatus) -> dict[str, str]:

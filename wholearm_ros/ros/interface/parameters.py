@@ -24,8 +24,8 @@ _TYPES = {
     int: Parameter.Type.INTEGER,
     float: Parameter.Type.DOUBLE,
     str: Parameter.Type.STRING,
-    list: Parameter.Type.STRING_ARRAY,
 }
+_LISTS = {str: Parameter.Type.STRING_ARRAY, float: Parameter.Type.DOUBLE_ARRAY}
 
 
 class ParameterError(WholeArmError):
@@ -34,9 +34,9 @@ class ParameterError(WholeArmError):
 
 @dataclass(frozen=True)
 class Declared:
-    """One parameter: its default gives its type.
+    """One parameter: its default gives its type, that of a list the first of its items.
 
-    low, high: inclusive, of numbers; choices: of strings.
+    low, high: inclusive, of numbers, also of each in a list; choices: of strings.
     """
 
     name: str
@@ -47,6 +47,13 @@ class Declared:
     choices: tuple[str, ...] = ()
     read_only: bool = True
 
+    @property
+    def type(self) -> Parameter.Type:
+        """As ROS names it."""
+        if isinstance(self.default, list):
+            return _LISTS[type(self.default[0])]
+        return _TYPES[type(self.default)]
+
     def descriptor(self) -> ParameterDescriptor:
         """As ROS tells it to tools."""
         result = ParameterDescriptor(
@@ -54,7 +61,8 @@ class Declared:
         )
         if self.choices:
             result.additional_constraints = 'one of: ' + ', '.join(map(str, self.choices))
-        if self.low is not None and self.high is not None:
+        numeric = isinstance(self.default, (int, float))  # a list's range ROS cannot tell
+        if numeric and self.low is not None and self.high is not None:
             if isinstance(self.default, float):
                 result.floating_point_range = [
                     FloatingPointRange(from_value=self.low, to_value=self.high)
@@ -71,7 +79,8 @@ class Declared:
             return f'{self.name}: got {value!r}; allowed: {", ".join(map(repr, self.choices))}'
         if self.low is None or self.high is None:
             return ''
-        if not self.low <= value <= self.high:
+        numbers = value if isinstance(self.default, list) else [value]
+        if not all(self.low <= number <= self.high for number in numbers):
             return f'{self.name}: got {value!r}; allowed: {self.low} to {self.high}'
         return ''
 
@@ -108,7 +117,7 @@ class Parameters:
             declared = self._declared.get(p.name)
             if declared is None:
                 continue
-            wanted = _TYPES[type(declared.default)]
+            wanted = declared.type
             reason = (
                 f'{p.name}: got a {p.type_.name}; allowed: {wanted.name}'
                 if p.type_ != wanted
@@ -154,7 +163,7 @@ def _declare(node: Node, p: Declared) -> Any:
     except InvalidParameterTypeException as error:
         raise ParameterError(
             f'{node.get_name()}: {p.name}: got the wrong type; '
-            f'allowed: {_TYPES[type(p.default)].name} ({p.description})'
+            f'allowed: {p.type.name} ({p.description})'
         ) from error
     except InvalidParameterValueException as error:
         raise ParameterError(

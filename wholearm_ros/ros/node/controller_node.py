@@ -25,8 +25,9 @@ class ControllerNode(WholeArmNode):
     """setpoint + joint state of the same stamp → one joint command with that stamp.
 
     A setpoint waits for its joint state; when only newer ones are left, it meets the oldest of
-    them. Nothing is remembered from one command to the next, so the same messages give the same
-    commands. Without setpoints there are no commands, and the drives' watchdog holds the fingers.
+    them. Nothing is remembered from one command to the next (but `last_efforts`, for drives that
+    report none), so the same messages give the same commands. Without setpoints there are no
+    commands, and the drives' watchdog holds the fingers.
     """
 
     def __init__(
@@ -44,6 +45,7 @@ class ControllerNode(WholeArmNode):
         self.states = self.commanded = self.stale = 0
         self.answered = -1  # stamp of the last command
         self.last_joint: Optional[int] = None  # joint of the last command
+        self.last_efforts = [0.0, 0.0]  # [N m] of the last commands
         self._commands = self.publisher(channels.JOINT_COMMANDS)
         self.subscription(topic, self._on_setpoint)
         self.subscription(channels.JOINT_STATES, self._on_joints)
@@ -61,6 +63,7 @@ class ControllerNode(WholeArmNode):
         if stamp < self._newest:  # another run: nothing of the old one counts
             self._waiting.clear()
             self._states.clear()
+            self.last_efforts = [0.0, 0.0]
         self.states += stamp != self._newest
         self._newest = stamp
         self._states[stamp] = joints
@@ -77,11 +80,11 @@ class ControllerNode(WholeArmNode):
             joints = self._states.get(stamp) or next(
                 j for s, j in self._states.items() if s > stamp
             )
-            self._commands.publish(
-                effort_bytes(stamp, setpoint.joint, self.effort(setpoint, joints))
-            )
+            effort = self.effort(setpoint, joints)
+            self._commands.publish(effort_bytes(stamp, setpoint.joint, effort))
             self.commanded += 1
             self.answered, self.last_joint = stamp, setpoint.joint
+            self.last_efforts[setpoint.joint] = effort
         while len(self._waiting) > KEPT:
             del self._waiting[max(self._waiting)]  # the one farthest ahead of time
 

@@ -24,6 +24,8 @@ OK, WARN, ERROR, STALE = (
     DiagnosticStatus.ERROR,
     DiagnosticStatus.STALE,
 )
+DOUBLE = 'another node of this name is there, or was killed within the last 20 s'
+DOUBLE_PERIOD = 1.0  # [s] between two looks for one
 Health = tuple[bytes, str, dict[str, Any]]  # level, message and values for /diagnostics
 DIAGNOSTICS_RATE = Declared(
     'diagnostics_rate', 2.0, 'how often this node reports on /diagnostics [Hz]', 0.1, 50.0
@@ -45,7 +47,9 @@ class WholeArmNode(Node):
             self, (DIAGNOSTICS_RATE, PRIORITY, *declared), self.parameters_changed
         )
         self._diagnostics = self.publisher(channels.DIAGNOSTICS)
+        self.double = False  # whether another node has this one's name
         self.every(1.0 / self.parameters.diagnostics_rate, self.report)
+        self.every(DOUBLE_PERIOD, self.look_for_a_double)
 
     def publisher(self, topic: channels.Topic) -> MeasuredPublisher:
         """On `topic`, measured."""
@@ -94,9 +98,19 @@ class WholeArmNode(Node):
         self.refused += 1
         self.get_logger().warning(reason, throttle_duration_sec=1.0)
 
+    def look_for_a_double(self) -> None:
+        """Both would answer every message. A node that was killed counts until its lease ends."""
+        own = (self.get_name(), self.get_namespace())
+        double = self.get_node_names_and_namespaces().count(own) > 1
+        if double and not self.double:
+            self.get_logger().error(f'{DOUBLE}: {self.get_fully_qualified_name()}')
+        self.double = double
+
     def report(self) -> None:
         """One DiagnosticStatus on /diagnostics."""
         level, message, values = self.health()
+        if self.double and level != ERROR:
+            level, message = WARN, DOUBLE
         values.update({'refused messages': self.refused, **self.longest_publish.figures()})
         array = DiagnosticArray(
             status=[status_message(self.get_fully_qualified_name(), level, message, values)]

@@ -12,8 +12,11 @@ THICKNESS = 0.02  # [m] across the plane, for show
 MAX_SPEED = 20.0  # [rad/s]
 
 
-def urdf(scenario: Scenario) -> str:
-    """x right, y up in the support plane, z towards the onlooker: the joints turn about z."""
+def urdf(scenario: Scenario, ros2_control: str = '') -> str:
+    """x right, y up in the support plane, z towards the onlooker: the joints turn about z.
+
+    ros2_control: a tag of that name, as `topic_system` makes one.
+    """
     parts = [
         '<?xml version="1.0"?>',
         f'<robot name={quoteattr(scenario.name or "wholearm")}>',
@@ -23,7 +26,37 @@ def urdf(scenario: Scenario) -> str:
     ]
     for side, joint, frame in zip(SIDES, JOINT_NAMES, FINGER_FRAMES):
         parts += _finger(getattr(scenario.hand, side), joint, frame)
-    return '\n'.join([*parts, '</robot>', ''])
+    return '\n'.join([*parts, *([ros2_control] if ros2_control else []), '</robot>', ''])
+
+
+def topic_system(namespace: str) -> str:
+    """The ros2_control tag for our stand-in in `namespace`, spoken to by JointStateTopicSystem.
+
+    For drives of your own replace the plugin. Both joints need the effort command interface: the
+    plugin leaves out the effort of a joint without, and then nothing tells whose the others are.
+    """
+    interfaces = [
+        '<command_interface name="effort"/>',
+        *(f'<state_interface name="{kind}"/>' for kind in ('position', 'velocity', 'effort')),
+    ]
+    return '\n'.join(
+        [
+            '<ros2_control name="wholearm" type="system">',
+            '<hardware>',
+            '<plugin>joint_state_topic_hardware_interface/JointStateTopicSystem</plugin>',
+            f'<param name="joint_commands_topic">{namespace}/joint_commands</param>',
+            f'<param name="joint_states_topic">{namespace}/joint_states</param>',
+            '<!-- Always send: a constant torque that goes silent ends as a hold. -->',
+            '<param name="trigger_joint_command_threshold">-1</param>',
+            '</hardware>',
+            *(
+                line
+                for joint in JOINT_NAMES
+                for line in (f'<joint name="{joint}">', *interfaces, '</joint>')
+            ),
+            '</ros2_control>',
+        ]
+    )
 
 
 def _palm_slabs(scenario: Scenario) -> Iterator[str]:

@@ -3,87 +3,22 @@ const R = REPORT, T = R.times, last = T.length - 1;
 const byId = id => document.getElementById(id);
 const shown = {k: -1, t: T[0]};
 
-// ---- the scene, the plan's outlines over it, and the normals of what touches
-const {world, move} = makeScene(byId('scene'), R.scene);
-const ghosts = R.scene.fingers.map(f => make(world, 'polygon', {class: 'ghost', points: points(f.outline)}));
-const ghost = make(world, 'polygon', {class: 'ghost', points: points(R.scene.object)});
-const estimate = make(world, 'polygon', {class: 'estimate', points: points(R.scene.object)});
-const normals = make(world, 'g', {class: 'normals'});
-const lerp = (list, k, u) => list[k].map((v, i) => v + u * (list[Math.min(k + 1, last)][i] - v));
-
-function draw(k, u) {
-  move(R.pose[k][0] === null ? null : lerp(R.pose, k, u), lerp(R.angles, k, u));
-  lerp(R.planned_angles, k, u).forEach((a, i) => ghosts[i].setAttribute('transform', place(...R.scene.fingers[i].axis, a)));
-  ghost.setAttribute('transform', place(...lerp(R.planned_pose, k, u)));
-  const told = R.estimate[k][0] !== null;  // an estimate holds until the next one
-  estimate.style.display = told ? '' : 'none';
-  if (told) estimate.setAttribute('transform', place(...R.estimate[k]));
-  normals.replaceChildren();
-  for (let i = 0; i < R.touches[k].length; i += 4) {
-    const [x, y, nx, ny] = R.touches[k].slice(i, i + 4);
-    make(normals, 'line', {class: 'normal', x1: x, y1: y, x2: x + 16 * nx, y2: y + 16 * ny});
-  }
-}
+const draw = makeRunScene(byId('scene'), R);
 
 // ---- plots
-const band = (a, b, mode) => ({type: 'rect', xref: 'x', yref: 'paper', x0: a, x1: b, y0: 0, y1: 1, layer: 'below',
-  line: {width: 0}, fillcolor: R.colours[mode], opacity: 0.28});
-const cursor = t => ({type: 'line', xref: 'x', yref: 'paper', x0: t, x1: t, y0: 0, y1: 1,
-  line: {color: colour('accent'), width: 2}});
-const bands = R.planned_modes.map(m => band(...m));
-
-function stretches() {  // closed outlines of the feasible range, a gap between them
-  const x = [], y = [];
-  for (let i = 0; i <= last; i++) {
-    if (R.low[i] === null) continue;
-    let j = i;
-    while (j < last && R.low[j + 1] !== null && R.torque_side[j + 1] === R.torque_side[i]) j++;
-    for (let k = i; k <= j; k++) { x.push(T[k]); y.push(R.high[k]); }
-    for (let k = j; k >= i; k--) { x.push(T[k]); y.push(R.low[k]); }
-    x.push(null); y.push(null);
-    i = j;
-  }
-  return {x, y};
-}
 const broken = list => list.map((v, i) => i && R.torque_side[i] !== R.torque_side[i - 1] ? null : v);
-
-function traces() {
-  const line = (y, name, colourName, axis, width, legend) => ({x: T, y, name, yaxis: axis, mode: 'lines',
-    line: {color: colour(colourName), width}, legendgroup: name, showlegend: legend, hovertemplate: '%{y:.3f}'});
-  return [
-    {...stretches(), name: 'feasible (τ_min, τ_max)', fill: 'toself', fillcolor: 'rgba(0,0,0,0)', mode: 'lines', hoverinfo: 'skip',
-      fillpattern: {shape: '/', fgcolor: colour('soft'), size: 7, solidity: 0.18, fillmode: 'overlay'},
-      line: {color: colour('soft'), width: 0.7}, showlegend: R.low.some(v => v !== null)},
-    line(broken(R.planned_torque), 'planned', 'planned', 'y', 3, true), line(broken(R.torque), 'executed', 'accent', 'y', 1.4, true),
-    line(broken(R.planned_angle), 'planned', 'planned', 'y2', 3, false), line(broken(R.angle), 'executed', 'accent', 'y2', 1.4, false),
-    line(broken(R.error), 'error', 'accent', 'y3', 1.4, false)];
-}
-function layout() {
-  const axis = (title, domain) => ({...axisTheme(), title: {text: title, font: {size: 11}}, domain, fixedrange: true});
-  return {...plotTheme(), margin: {l: 58, r: 10, t: 30, b: 38}, hovermode: 'x unified', dragmode: false,
-    legend: {orientation: 'h', y: 1.0, yanchor: 'bottom', x: 0}, hoverlabel: {bgcolor: colour('card')},
-    xaxis: {...axisTheme(), title: {text: 'time [s]', font: {size: 11}}, range: [T[0], T[last]], fixedrange: true, anchor: 'y3'},
-    yaxis: {...axis('pressing torque [N m]', [0.56, 1]), range: R.torque_window},
-    yaxis2: axis('velocity finger [°]', [0.25, 0.51]), yaxis3: axis('error [mrad]', [0, 0.19]),
-    annotations: [{text: R.torque_note, xref: 'paper', yref: 'paper', x: 1, y: 0.995, xanchor: 'right', yanchor: 'top',
-      showarrow: false, font: {size: 10, color: colour('soft')}}],
-    shapes: [...bands, cursor(shown.t)]};
-}
-const plots = byId('plots');
-Plotly.newPlot(plots, traces(), layout(), plotOptions);
-plots.on('plotly_click', event => { stop(); show(event.points[0].x); });
-dark.addEventListener('change', () => Plotly.react(plots, traces(), layout(), plotOptions));
-
-let waiting = false;
-function moveCursor() {
-  if (waiting) return;
-  waiting = true;
-  requestAnimationFrame(() => {
-    waiting = false;
-    const name = `shapes[${bands.length}]`;
-    Plotly.relayout(plots, {[name + '.x0']: shown.t, [name + '.x1']: shown.t});
-  });
-}
+const both = (planned, executed) => [{name: 'planned', kind: 'plan', y: broken(planned)}, {name: 'executed', kind: 'executed', y: broken(executed)}];
+const moveCursor = makeLines(byId('plots'), {
+  x: T, title: 'time [s]', spans: R.planned_modes.map(([a, b, mode]) => [a, b, R.colours[mode]]),
+  entries: [...(R.low.some(v => v !== null) ? [{name: 'feasible (τ_min, τ_max)', kind: 'hatched'}] : []),
+    {name: 'planned', kind: 'plan'}, {name: 'executed', kind: 'executed'}],
+  panels: [
+    {title: 'pressing torque [N m]', share: 0.48, range: R.torque_window, note: R.torque_note,
+      region: {low: broken(R.low), high: broken(R.high)}, lines: both(R.planned_torque, R.torque)},
+    {title: 'velocity finger [°]', share: 0.3, lines: both(R.planned_angle, R.angle)},
+    {title: 'error [mrad]', share: 0.22, lines: [{name: 'error', kind: 'executed', y: broken(R.error)}]}],
+  pick: t => { stop(); show(t); },
+});
 
 // ---- time
 const slider = byId('time'), now = byId('now'), play = byId('play');
@@ -100,7 +35,7 @@ function show(t) {
   const side = R.sides[R.torque_side[k]];
   now.textContent = `${t.toFixed(2)} s  ${R.names[R.modes[k]] || R.modes[k]}  torque (${side}) ${R.torque[k].toFixed(2)} N m` +
     `  error ${R.error[k].toFixed(1)} mrad`;
-  moveCursor();
+  moveCursor(t);
 }
 
 let running = null;
@@ -120,6 +55,17 @@ play.addEventListener('click', () => {
 });
 slider.addEventListener('input', () => { stop(); show(slider.value); });
 
+// ---- keys: space plays, arrows step, wherever the focus is, unless what has it needs the key itself
+const STEPS = {ArrowLeft: -0.05, ArrowRight: 0.05, PageDown: -0.5, PageUp: 0.5};  // [s]
+document.addEventListener('keydown', event => {
+  const own = event.target.closest('button, select, summary, [role=button]'), scrolls = event.target.closest('.scroll');
+  if (event.ctrlKey || event.altKey || event.metaKey || own) return;
+  if (event.key === ' ') play.click();
+  else if (STEPS[event.key] && !(scrolls || (event.key.startsWith('Page') && event.target !== slider))) { stop(); show(shown.t + STEPS[event.key]); }
+  else return;
+  event.preventDefault();
+});
+
 // ---- band of modes, chips, graph
 const full = T[last] - T[0];
 R.executed_modes.forEach(([a, b, mode]) => {
@@ -130,9 +76,15 @@ R.executed_modes.forEach(([a, b, mode]) => {
 });
 for (const [number, t] of Object.entries(R.subgoal_times)) {
   const frame = byId('subgoal-' + number);
-  if (frame) frame.dataset.time = t;
+  if (!frame) continue;
+  frame.dataset.time = t;
+  for (const [name, value] of [['tabindex', 0], ['role', 'button'], ['aria-label', `Subgoal ${number}, at ${t.toFixed(2)} s`]]) frame.setAttribute(name, value);
 }
-document.querySelectorAll('[data-time]').forEach(element => element.addEventListener('click', () => {
-  stop(); show(element.dataset.time); byId('stage').scrollIntoView({behavior: 'smooth', block: 'nearest'});
-}));
+document.querySelectorAll('[data-time]').forEach(element => {
+  const go = () => { stop(); show(element.dataset.time); byId('stage').scrollIntoView({behavior: 'smooth', block: 'nearest'}); };
+  element.addEventListener('click', go);
+  if (element.tagName !== 'BUTTON') element.addEventListener('keydown', event => {
+    if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); go(); }
+  });
+});
 show(0);

@@ -26,3 +26,47 @@ function makeScene(svg, scene) {
   }
   return {world, move};
 }
+
+// Over a scene: outlines of the object and of the fingers, and the normals of what touches.
+function makeOverlay(world, scene) {
+  const shown = (element, pose) => {
+    element.style.display = pose ? '' : 'none';
+    if (pose) element.setAttribute('transform', place(...pose));
+  };
+  let normals = null;  // made with the first ones, and so over the outlines
+  return {
+    // A function that moves an outline of the object to a pose, or hides it.
+    outline(kind) {
+      const element = make(world, 'polygon', {class: kind, points: points(scene.object)});
+      return pose => shown(element, pose);
+    },
+    // The same of both fingers and their angles.
+    hand(kind) {
+      const elements = scene.fingers.map(f => make(world, 'polygon', {class: kind, points: points(f.outline)}));
+      return angles => elements.forEach((e, i) => shown(e, angles && [...scene.fingers[i].axis, angles[i]]));
+    },
+    // Contacts one after the other: x, y, normal x, normal y.
+    touches(list) {
+      normals = normals || make(world, 'g', {class: 'normals'});
+      normals.replaceChildren();
+      for (let i = 0; i < list.length; i += 4) {
+        const [x, y, nx, ny] = list.slice(i, i + 4);
+        make(normals, 'line', {class: 'normal', x1: x, y1: y, x2: x + 16 * nx, y2: y + 16 * ny});
+      }
+    },
+  };
+}
+
+// Draws a run (what run_data.py gives) into `svg`: a function of a row and of the share of the way to the next one.
+function makeRunScene(svg, run) {
+  const {world, move} = makeScene(svg, run.scene), over = makeOverlay(world, run.scene), last = run.times.length - 1;
+  const plannedHand = over.hand('ghost'), planned = over.outline('ghost'), estimate = over.outline('estimate');
+  const lerp = (list, k, u) => list[k].map((v, i) => v + u * (list[Math.min(k + 1, last)][i] - v));
+  return (k, u) => {
+    move(run.pose[k][0] === null ? null : lerp(run.pose, k, u), lerp(run.angles, k, u));
+    plannedHand(lerp(run.planned_angles, k, u));
+    planned(lerp(run.planned_pose, k, u));
+    estimate(run.estimate[k][0] === null ? null : run.estimate[k]);  // it holds until the next one
+    over.touches(run.touches[k]);
+  };
+}

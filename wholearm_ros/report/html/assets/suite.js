@@ -13,6 +13,12 @@ const total = t => (t.plan_ms || 0) + (t.generate_ms || 0) + (t.verify_ms || 0);
 const hidden = new Set();
 const tiles = S.tasks.map((task, k) => {
   const tile = element(byId('tiles'), 'button', task.name, {type: 'button', class: 'tile t-' + task.kind, 'aria-pressed': 'false'});
+  if (task.shape) {
+    const across = task.shape.map(p => p[0]), up = task.shape.map(p => p[1]), left = Math.min(...across), top = Math.max(...up);
+    const size = Math.max(Math.max(...across) - left, top - Math.min(...up));
+    const drawing = make(tile, 'svg', {viewBox: `${left - 3} ${-top - 3} ${size + 6} ${size + 6}`, class: 'shape', 'aria-hidden': 'true'});
+    make(make(drawing, 'g', {transform: 'scale(1,-1)'}), 'polygon', {class: 'object', points: points(task.shape)});
+  }
   element(tile, 'small', S.kinds[task.kind]);
   element(tile, 'small', ms(total(task)));
   tile.addEventListener('click', () => choose(k));
@@ -46,14 +52,15 @@ function choose(k) {
   if (task.run) showRun(box, task.run);
   if (task.draws.length) {
     const table = element(element(box, 'div', null, {class: 'scroll'}), 'table', null, {class: 'long'}), head = element(element(table, 'thead'), 'tr');
-    ['draw', 'at the goal', 'angle error [rad]', 'what was different', 'reason'].forEach(name => element(head, 'th', name));
+    const columns = ['draw', 'at the goal', 'angle error [rad]', 'what was different', 'reason'];
+    columns.forEach(name => element(head, 'th', name));
     const body = element(table, 'tbody');
     task.draws.forEach((draw, i) => {
       const row = element(body, 'tr');
       const different = Object.entries(draw.perturbation || {}).filter(([name, v]) => typeof v === 'number' && v !== 0 && name !== 'noise_seed')
         .map(([name, v]) => `${name.replaceAll('_', ' ')} ${+v.toPrecision(3)}`).join(', ');
       [i, draw.executed ? 'yes' : 'no', draw.angle_error === undefined ? '' : draw.angle_error.toFixed(4), different, draw.reason]
-        .forEach(text => element(row, 'td', text));
+        .forEach((text, c) => element(row, 'td', text, {'data-name': columns[c]}));
     });
   }
 }
@@ -96,20 +103,16 @@ function showRun(box, run) {
 
 // ---- plots
 const order = S.tasks.map((_, k) => k).sort((a, b) => total(S.tasks[b]) - total(S.tasks[a]));
-const ink = {plan_ms: '#8cbfe6', generate_ms: '#f2a65a', verify_ms: '#7cc6a4'};
-const times = () => Object.keys(ink).map(name => ({type: 'bar', name: name.slice(0, -3), x: order.map(k => S.tasks[k].name),
-  y: order.map(k => (S.tasks[k][name] || 0) / 1000), marker: {color: ink[name]}, hovertemplate: '%{x}: %{y:.2f} s'}));
-const success = () => [{x: S.levels.map(l => l.level), y: S.levels.map(l => l.share), mode: 'lines+markers+text',
-  text: S.levels.map(l => `${l.done}/${l.runs}`), textposition: 'middle right', line: {color: colour('accent')},
-  error_y: {type: 'data', symmetric: false, array: S.levels.map(l => l.high - l.share), arrayminus: S.levels.map(l => l.share - l.low)},
-  hovertemplate: 'level %{x}: %{y:.1%}'}];
-const highest = Math.max(1, ...S.levels.map(l => l.level)), levelRange = {range: [-0.1 * highest, 1.25 * highest]};
-const layout = (x, y, more, moreX) => ({...plotTheme(), margin: {l: 52, r: 10, t: 24, b: 60}, legend: {orientation: 'h', y: 1, yanchor: 'bottom'},
-  xaxis: {...axisTheme(), title: {text: x}, fixedrange: true, automargin: true, ...moreX}, yaxis: {...axisTheme(), title: {text: y}, fixedrange: true, ...more}});
-function drawAll(how) {
-  how(byId('times'), times(), {...layout('', 'seconds'), barmode: 'stack'}, plotOptions);
-  how(byId('success'), success(), layout('perturbation level', 'share at the goal', {range: [0, 1.12], tickformat: '.0%'}, levelRange), plotOptions);
+const stages = ['plan', 'generate', 'verify'], inks = ['#8cbfe6', '#f2a65a', '#7cc6a4'];
+if (order.length) makeBars(byId('times'), {
+  bars: order.map(k => ({name: S.tasks[k].name, parts: stages.map(stage => (S.tasks[k][stage + '_ms'] || 0) / 1000)})),
+  kinds: stages.map((name, i) => ({name, colour: inks[i]})), title: 'seconds', pick: k => choose(order[k])});
+const told = S.levels.filter(l => l.share !== null);
+if (told.length > 1) makeShares(byId('success'), {points: told.map(l => ({...l, x: l.level, text: `${l.done}/${l.runs}`})),
+  title: 'share at the goal', xTitle: 'perturbation level'});
+else {
+  const percent = v => (100 * v).toFixed(0) + ' %', only = told[0];
+  byId('success').classList.remove('plot');
+  byId('success').textContent = only ? `At level ${only.level} ${only.done} of ${only.runs} runs end at the goal: ` +
+    `${percent(only.share)}, by the 95 % interval ${percent(only.low)} to ${percent(only.high)}.` : 'Nothing was executed.';
 }
-drawAll(Plotly.newPlot);
-byId('times').on('plotly_click', event => choose(order[event.points[0].pointNumber]));
-dark.addEventListener('change', () => drawAll(Plotly.react));
