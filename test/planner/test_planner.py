@@ -160,7 +160,7 @@ def test_a_plan_carries_its_certificate(results, name):
 
 def test_a_plan_below_the_least_success_asked_for_is_refused_with_its_bound():
     """59 samples cannot show more than 0.95."""
-    request = PlanRequest(samples=1, moves=0, candidates=4, min_success=0.96, certifications=2)
+    request = PlanRequest(samples=2, moves=0, candidates=4, min_success=0.96, certifications=2)
     found = plan_and_verify(ASYMMETRIC, request)
     assert found.trajectory is None and found.plan.outcome == 'not_executable'
     assert 'success rate at least' in found.plan.reason and 'min_success' in found.plan.reason

@@ -45,7 +45,7 @@ def test_every_sample_that_the_goal_needs_has_arrived_in_every_state_before(foun
         goal = next(k for k, state in enumerate(tree.states) if state.goal)
         arrived = [
             {k for k, sample in enumerate(state.belief.states) if sample is not None}
-            for state in tree.chain(goal)
+            for state in (tree.states[place] for place in tree.places_to(goal))
         ]
         assert all(0 in here and after <= here for here, after in zip(arrived, arrived[1:]))
 

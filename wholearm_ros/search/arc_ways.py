@@ -36,7 +36,7 @@ class ArcWays:
         if state.node is not None:
             self._push_edges(k)
         elif state.arcs is None:
-            self.tree.push(self.tree.price_at(k, state.rest.q), partial(self._find_graph, k))
+            self.tree.push(k, self.tree.price_at(k, state.rest.q), partial(self._find_graph, k))
 
     def _find_graph(self, k: int) -> None:
         """Of a state to which a simulation led."""
@@ -51,12 +51,12 @@ class ArcWays:
         for edge in state.arcs.graph.edges.get(state.node, ()):
             price = self._price(state, state.arcs, edge)
             for number, finger in enumerate((AUTO, REAR)):
-                self.tree.push(price + number * LATER, partial(self._along, k, edge, finger))
+                self.tree.push(k, price + number * LATER, partial(self._along, k, edge, finger))
             leg = state.arcs.legs(edge)[0]
             if leg.mode != CAGING and _length(leg, self.tree.problem.world.scale) > LONG:
                 middle = leg.configurations[len(leg.configurations) // 2]
                 price = self.tree.price_at(k, middle) + ASIDE_PRICE + LATER
-                self.tree.push(price, partial(self._half, k, leg))
+                self.tree.push(k, price, partial(self._half, k, leg))
 
     def _price(self, state: State, arcs: Arcs, edge: Edge) -> float:
         margin, cost = arcs.beyond(edge)

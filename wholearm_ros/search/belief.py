@@ -20,7 +20,9 @@ from wholearm_ros.rollout.primitive_rollout import Rest
 from wholearm_ros.rollout.verification import MARGIN, SETTLE
 
 SPREAD = 0.08  # in scaled coordinates, by which samples may differ from the plan
-STILL = 0.05  # [1/s] in scaled coordinates, of a sample at rest
+# [1/s] in scaled coordinates: speeds of the nominal sample at rest, from where primitives are
+# simulated, and of others, which go on from where and as fast as they are
+STILL, SLOW = 0.05, 0.5
 LEFT_PRICE = 2.0  # of a sample that has left the hand, against one that rests elsewhere in it
 
 
@@ -110,7 +112,8 @@ class Samples:
         """Whether a run ended at rest near the planned pose, turned as the edges of a perturbed
         object are.
         """
-        if run.stopped or run.stops_met.any() or np.abs(run.v / self._scale).max() > STILL:
+        speed = np.abs(run.v / self._scale).max()
+        if run.stopped or run.stops_met.any() or speed > (SLOW if k else STILL):
             return False
         if passage.at_goal:
             return not self._samples[k].goal.missing(run.q[POSE], MARGIN)

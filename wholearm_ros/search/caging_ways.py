@@ -32,7 +32,7 @@ class CagingWays:
         price = self.tree.price_at(k, leg.configurations[-1])
         for number, (finger, torque) in enumerate(CAGING_EXECUTIONS):
             down = executed(leg, caging_finger=finger, caging_torque=torque)
-            self.tree.push(price + number * LATER, partial(self._down, k, down))
+            self.tree.push(k, price + number * LATER, partial(self._down, k, down))
 
     def _descent(self, state: State) -> Leg | None:
         """That of the edge on which the state lies, or one of its own."""

@@ -49,7 +49,7 @@ class PrimitiveWays:
         for number, style in enumerate(STYLES):
             later = PRIMITIVE_PRICE + number * STYLE_PRICE
             price = self.tree.price_at(k, self.tree.states[k].rest.q) + later
-            self.tree.push(price, partial(self._try, k, style, later))
+            self.tree.push(k, price, partial(self._try, k, style, later))
 
     def _try(self, k: int, style: Style, later: float) -> None:
         """See where primitives from state k lead."""
@@ -74,7 +74,7 @@ class PrimitiveWays:
             return
         price = self.tree.price_at(k, q) + later + SIBLING_PRICE * sweep.failures
         work = partial(self._by, k, move, q, later, sweep, sweep.failures)
-        self.tree.push(price, work)
+        self.tree.push(k, price, work)
 
     def _by(
         self,
@@ -106,7 +106,7 @@ class PrimitiveWays:
         )
         way, goal = way_of_primitive(state.rest, record, leg), problem.reached(end[POSE])
         after = state.then(k, way, PRIMITIVE_PRICE, goal=goal)
-        return self.tree.execute(after, self.tree.cell(end))
+        return self.tree.execute(after, ('goal', k) if goal else self.tree.cell(end))
 
     def _brought_to_rest(self, rest: Rest, move: MotionPrimitive) -> PrimitiveRecord:
         """The primitive simulated, with a longer pause after it where it does not end at rest."""

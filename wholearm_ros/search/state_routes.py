@@ -33,8 +33,7 @@ from wholearm_ros.search.state_search import (
 from wholearm_ros.search.state_tree import State
 from wholearm_ros.search.ways import Way
 
-GOOD_LOSS = 0.2  # of a goal after which only IMPROVING simulations more are made for a better one
-IMPROVING = 1500
+GOOD_LOSS = 0.2  # of a goal that is given as soon as it is found
 REPORT_EVERY = 1000  # simulations
 FIVE = 5  # contacts of a Y
 NO_LIMIT = 10**9
@@ -62,9 +61,13 @@ class StateRoutes(Routes):
         self.arcs = whole_graph(self.problem, options.limit, stop)
         self.tree = build_tree(self.problem, beliefs(self.problem), self.arcs, kinds)
         self._limit = options.move_limit or NO_LIMIT
+        self._given: int | None = None  # place of the last goal
+        self._poor: list[int] = []  # places of goals that are yet to be given
 
     def _search(self, failed_leg: int | None) -> Found:
-        k = self._next_goal()
+        if failed_leg is not None:
+            self.tree.refuse(self._place_after(failed_leg))
+        k = self._given = self._next_goal()
         network = self.arcs.graph.network
         counts = {
             'expansions': self.arcs.graph.traced,
@@ -75,11 +78,9 @@ class StateRoutes(Routes):
         if k is None:
             return Found(*self._why_none(), counts, tuple(network.subgoals))
         writer = _RouteWriter(self.arcs)
-        for state in self.tree.chain(k):
-            writer.append(state)
+        for place in self.tree.places_to(k):
+            writer.append(self.tree.states[place])
         goal = self.tree.states[k]
-        if goal.belief.loss <= GOOD_LOSS:
-            self._limit = min(self._limit, self.tree.simulated + IMPROVING)
         return Found(
             FOUND,
             _reason(goal, writer.legs),
@@ -91,12 +92,32 @@ class StateRoutes(Routes):
         )
 
     def _next_goal(self) -> int | None:
-        """See `next_goal`; with a line for people now and then."""
-        tree, k = self.tree, None
-        while k is None and tree.simulated < self._limit and not (tree.exhausted or self.stop()):
+        """See `next_goal`: good ones as they are found, the others, the best first, when nothing is
+        left to search; with a line for people now and then.
+        """
+        tree = self.tree
+        while tree.simulated < self._limit and not (tree.exhausted or self.stop()):
             k = next_goal(tree, min(self._limit, tree.simulated + REPORT_EVERY), self.stop)
             self._progress(f'{tree.simulated} simulations, {len(tree.states)} states at rest')
-        return k
+            if k is None:
+                continue
+            if tree.states[k].belief.loss <= GOOD_LOSS:
+                return k
+            self._poor.append(k)
+        if not self._poor:
+            return None
+        self._poor.sort(key=lambda k: -tree.states[k].belief.loss)
+        return self._poor.pop()
+
+    def _place_after(self, leg: int) -> int:
+        """Of the state to which a leg of the last route leads."""
+        assert self._given is not None, 'a leg can only fail of a route that was given'
+        for place in self.tree.places_to(self._given):
+            way = self.tree.states[place].way
+            leg -= len(way.legs) if way else 0
+            if leg < 0:
+                break
+        return place
 
     def _why_none(self) -> tuple[str, str]:
         """(outcome, reason) of a search that ended without a route."""

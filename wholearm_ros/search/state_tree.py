@@ -1,6 +1,7 @@
 """The tree of states at rest, and the queue of what is yet to be tried."""
 
 import heapq
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +19,8 @@ from wholearm_ros.search.belief import Belief, Passage, Samples
 from wholearm_ros.search.ways import Way
 
 CELL = np.array([0.1, 0.1, 0.06, 0.12, 0.12])  # in scaled coordinates; states in one cell are one
+EXPANSIONS = 400  # in the graph of arcs of every state but the start
+REFUSAL_PRICE = 0.3  # [rad] of the rotation that is left, against a route that failed on the way
 LOSS_PRICE = 1.0  # [rad] of the rotation that is left, against the loss of all samples
 
 
@@ -48,6 +51,15 @@ class State:
         return replace(after, **changes)
 
 
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """What is to be tried from state k on; refused: routes that had failed on the way to it."""
+
+    k: int
+    work: Callable[[], int | None]
+    refused: int
+
+
 class StateTree:
     """Grown best first: the price of a way out of a state is what was paid to get there, and what
     is still left to the goal in the best case.
@@ -60,10 +72,11 @@ class StateTree:
         self.problem, self._samples = problem, samples
         rest = released(problem.world, problem.start)
         self.states = [State(rest, samples.start, -1, None, arcs=arcs, node=0)]
-        self.primitives, self.limit = 0, arcs.graph.limit
+        self.primitives, self.limit = 0, min(arcs.graph.limit, EXPANSIONS)
         self.openers: tuple[Callable[[int], None], ...] = ()
-        self._queue: list[tuple[float, int, Callable[[], int | None]]] = []
+        self._queue: list[tuple[float, int, _Attempt]] = []
         self._pushed = 0
+        self._refusals: Counter[int] = Counter()  # by place, of routes that failed on the way to it
         self._losses: dict[object, float] = {self.cell(problem.start): 0.0}
 
     @property
@@ -81,15 +94,31 @@ class StateTree:
         for opener in self.openers:
             opener(k)
 
-    def push(self, price: float, work: Callable[[], int | None]) -> None:
-        """Queue something that gives the place of a new state, or None."""
-        self._pushed += 1
-        heapq.heappush(self._queue, (price, self._pushed, work))
+    def push(self, k: int, price: float, work: Callable[[], int | None]) -> None:
+        """Queue something from state k on that gives the place of a new state, or None."""
+        self._push(price, _Attempt(k, work, self._refused(k)))
+
+    def refuse(self, k: int) -> None:
+        """A route failed on the way to state k: what goes on from there is tried later."""
+        self._refusals[k] += 1
 
     def grow(self) -> int | None:
         """Do what is most promising; the place of a new state, or None when it came to nothing."""
-        _, _, work = heapq.heappop(self._queue)
-        return work()
+        price, _, attempt = heapq.heappop(self._queue)
+        refused = self._refused(attempt.k)
+        if refused > attempt.refused:
+            later = REFUSAL_PRICE * (refused - attempt.refused)
+            self._push(price + later, replace(attempt, refused=refused))
+            return None
+        return attempt.work()
+
+    def _push(self, price: float, attempt: '_Attempt') -> None:
+        self._pushed += 1
+        heapq.heappush(self._queue, (price, self._pushed, attempt))
+
+    def _refused(self, k: int) -> int:
+        """How many routes failed on the way to state k."""
+        return sum(self._refusals[place] for place in self.places_to(k)) if self._refusals else 0
 
     def price_at(self, k: int, q: np.ndarray) -> float:
         """Of what leads from state k to q (5,)."""
@@ -119,13 +148,13 @@ class StateTree:
             self.open(len(self.states) - 1)
         return len(self.states) - 1
 
-    def chain(self, k: int) -> list[State]:
-        """The states on the way to state k, without the start."""
-        states = []
-        while self.states[k].way is not None:
-            states.append(self.states[k])
+    def places_to(self, k: int) -> list[int]:
+        """Of the states on the way to state k, without the start."""
+        places = []
+        while k > 0:
+            places.append(k)
             k = self.states[k].parent
-        return states[::-1]
+        return places[::-1]
 
     def cell(self, q: np.ndarray) -> tuple[int, ...]:
         """The cell in which q (5,) lies."""

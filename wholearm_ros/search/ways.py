@@ -31,13 +31,17 @@ class Way:
 
 
 def way_along(world: World, start: Rest, legs: Sequence[Leg]) -> Way | None:
-    """Along arcs or down a cage; None when the contacts cannot be kept closed."""
+    """Along arcs or down a cage; None when the contacts cannot be kept closed, or nothing
+    moves.
+    """
     builder = TrajectoryBuilder(world, start, ExecutionOptions())
     try:
         append(builder, legs)
     except ValueError:
         return None
     made = builder.finish('', ())
+    if not made.segments:
+        return None
     end = Rest(legs[-1].configurations[-1], made.efforts[-1])
     return Way(tuple(legs), end, course_of(made), made.segments[-1].velocity_finger)
 
