@@ -39,6 +39,7 @@ ARGUMENTS = (
     ),
     ('view', 'false', "PyBullet's window"),
     ('perturb', '0.0', 'level of errors of the simulated hand, unknown to the planner'),
+    ('hand_errors', '0.0', 'level of errors of its joints, axes and encoders, likewise'),
     ('seed', '0', 'of everything drawn at random in planning'),
     ('search', Search.best.value, ' or '.join(values(Search))),
     (
@@ -101,6 +102,7 @@ def generate_launch_description():
                 'backend': text('hardware'),
                 'view': number('view', bool),
                 'perturb': number('perturb', float),
+                'hand_errors': number('hand_errors', float),
                 'perturb_number': number('seed', int),
             },
             condition=hardware_is_one_of(BACKENDS),

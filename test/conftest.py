@@ -17,20 +17,26 @@ settings.register_profile(
 settings.load_profile('same')
 
 _domains = itertools.count(os.getpid() * 7)
-# Tests that start nodes run one after another.
-GRAPH = ('test/ros/', 'test/examples/test_examples.py', 'test/report/test_docs.py')
+# Tests in which a clock decides run one after another.
+REALTIME = (
+    'test/ros/test_check_hand.py',
+    'test/ros/test_faults.py',
+    'test/ros/test_ros2_control.py',
+    'test/ros/test_transport.py',
+    'test/ros/test_whole_run.py',
+)
 
 
 @pytest.hookimpl(optionalhook=True)  # of xdist
 def pytest_xdist_make_scheduler(config, log):
-    """Of the processes (`-n 2`) one starts nodes; every other file stays in one of them, for its fixtures."""
+    """Every file stays in one of the processes (`-n 2`), for its fixtures; those in real time stay in the same one."""
     from xdist.scheduler import LoadScopeScheduling
 
-    class OneGraphAtATime(LoadScopeScheduling):
+    class OneRealTimeGraphAtATime(LoadScopeScheduling):
         def _split_scope(self, nodeid):
-            return 'graph' if nodeid.startswith(GRAPH) else nodeid.partition('::')[0]
+            return 'realtime' if nodeid.startswith(REALTIME) else nodeid.partition('::')[0]
 
-    return OneGraphAtATime(config, log)
+    return OneRealTimeGraphAtATime(config, log)
 
 
 @pytest.fixture(scope='session')
@@ -41,4 +47,5 @@ def config() -> Path:
 
 def fresh_domain() -> str:
     """A ROS_DOMAIN_ID that no other test of this session uses (of 0 to 101, the first ten left to people)."""
-    return str(10 + next(_domains) % 92)
+    worker = int(os.environ.get('PYTEST_XDIST_WORKER', 'gw0')[2:])
+    return str(10 + (2 * next(_domains) + worker % 2) % 92)

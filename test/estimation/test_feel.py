@@ -30,9 +30,9 @@ def regular():
     return load_scenario(CONFIG / 'regular_hexagon.yaml')
 
 
-def probe_of(feeler, edge, held=LEFT, end=1.2):
+def probe_of(feeler, edge, held=LEFT, ends=(1.2, 1.9)):
     place = [h.edge for h in feeler.hypotheses].index(edge)
-    return plan_probe(feeler.model, feeler.hypotheses, place, held, end)
+    return plan_probe(feeler.model, feeler.hypotheses, place, held, np.array(ends))
 
 
 def pairs_of(truth, probe, edge):
@@ -138,10 +138,39 @@ def test_another_edge_than_the_goal_is_elsewhere(hexagon):
     assert claim(feeler, here, felt, True).outcome == AT_GOAL
 
 
+def test_places_tell_edges_apart_that_feel_nearly_alike(hexagon):
+    outline = 1e-3 * np.array([[0, 0], [2, -72], [85, -82], [110, -21], [57, 26]])
+    pentagon = replace(hexagon, object=ManipulatedObject(Polygon(outline), 0.379))
+    feeler = Feeler(pentagon)
+    for edge in (1, 3):
+        for held in (LEFT, RIGHT):
+            probe = probe_of(feeler, edge, held, (1.07, 1.86))
+            felt = feeler.feel(probe, pairs_of(pentagon, probe, edge))
+            assert felt.best.edges == (edge,) and felt.best.probability > 0.95
+
+
+def test_an_object_that_friction_would_tip_is_led_on_between_both_fingers(hexagon):
+    outline = [[0, 0], [-27, 41], [-91, 56], [-123, 29], [-115, -27], [-96, -64], [-37, -64]]
+    heptagon = replace(hexagon, object=ManipulatedObject(Polygon(1e-3 * np.array(outline)), 0.39))
+    feeler, ends = Feeler(heptagon), np.array([1.43, 2.119])
+    for held in (LEFT, RIGHT):
+        probe = probe_of(feeler, 4, held, ends)
+        assert probe.held == LEFT and not probe.opened.any()
+        assert (CLOSING[LEFT] * (probe.places - ends[LEFT]) > -1e-9).all()
+
+
+def test_where_only_one_place_is_safe_nothing_is_told_and_why_is_said(hexagon):
+    feeler = Feeler(hexagon)
+    probe = probe_of(feeler, 5)
+    probe = replace(probe, places=probe.places[-1:])
+    felt = feeler.feel(probe, pairs_of(hexagon, probe, 5))
+    assert felt.kind == UNKNOWN and 'tip' in felt.reason
+
+
 def test_probes_are_gentle_and_inside_of_the_limits(hexagon):
     feeler = Feeler(hexagon)
     for held in (LEFT, RIGHT):
-        probe = probe_of(feeler, 5, held, 1.2 if held == LEFT else 1.9)
+        probe = probe_of(feeler, 5, held)
         low, high = feeler.model.world.limits[held]
         assert WEAKEST <= probe.torque <= STRONGEST
         assert (np.diff(probe.places) * CLOSING[held] > 0.0).all()

@@ -5,10 +5,12 @@ from dataclasses import replace
 import pytest
 
 from wholearm_ros.model.certificate import certificate
+from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.planner.certification import certify_in_a_row
 from wholearm_ros.planner.face_map import FaceMap, Refused, Way
-from wholearm_ros.planner.legs import LegPlanner
+from wholearm_ros.planner.legs import REACH, LegPlanner, leg_of, whole_task
 from wholearm_ros.planner.map_making import (
     MapOptions,
     make_way,
@@ -20,6 +22,8 @@ from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.planning.routes import plan
+from wholearm_ros.suite.execution import execute
+from wholearm_ros.suite.suite_options import SuiteOptions
 
 SCENARIO = load_scenario('asymmetric_hexagon')
 OPTIONS = MapOptions(PlanRequest(certificate_samples=20, min_success=0.5))
@@ -106,6 +110,53 @@ def test_a_map_is_made_kept_and_answers(tmp_path):
     assert answer.plan.id == made.plan.id and answer.trajectory is not None
     assert stop_of(felt, answer.plan.scenario) is None
     assert stop_of(replace(felt, goal=GoalOnEdge(2)), answer.plan.scenario) == GoalOnEdge(1, CW)
+
+
+ARCS_ONLY = PlanRequest(moves=0, certificate_samples=20, min_success=0.5)
+
+
+@pytest.fixture(scope='module')
+def of_two_turns():
+    """A plan to a face that arcs reach by way of another one only."""
+    return LegPlanner(ARCS_ONLY).plan(replace(SCENARIO, goal=GoalOnEdge(4)))
+
+
+def test_a_plan_of_several_turns_is_one_document_and_is_certified_in_a_row(of_two_turns):
+    plan, (second,) = of_two_turns.plan, of_two_turns.plan.then
+    assert (plan.scenario.goal.edge, second.scenario.start.edge, second.scenario.goal.edge) == (
+        *(5, 5),
+        4,
+    )
+    assert plan.overall.samples == 20 and plan.overall.survived <= plan.certificate.survived
+    assert abs(second.scenario.start.x - plan.legs[-1].configurations[-1, 0]) < REACH
+    assert of_two_turns.trajectory.plan_id == plan.id != plan.turn.id
+    read = ContactPlan.from_json(plan.to_json())
+    assert read.id == plan.id and read.then[0].id == second.id and read.overall == plan.overall
+    assert whole_task(plan).goal.edge == 4 and whole_task(second) is second.scenario
+
+
+def test_the_turns_of_a_plan_are_executed_one_after_the_other_and_not_planned_again(of_two_turns):
+    asked = whole_task(of_two_turns.plan)
+    options = SuiteOptions(ARCS_ONLY, backend='planar', maps=False)
+    run = execute(asked, leg_of(asked, of_two_turns), options)
+    assert run.judged.executed and run.attempts.outcome == 'at_goal'
+    executed = [motion.trajectory.plan_id for motion in run.attempts.motions]
+    assert executed == [of_two_turns.plan.id, of_two_turns.plan.then[0].id]
+
+
+def test_in_a_row_only_samples_that_survive_every_turn_count(of_two_turns):
+    """At a level at which many fall: fewer are left after the second turn; none without samples."""
+    turns = (of_two_turns.plan.turn, *of_two_turns.plan.then)
+    hard = replace(ARCS_ONLY, certificate_level=4.0)
+    first, both = (certify_in_a_row(turns[:n], hard) for n in (1, 2))
+    assert both.samples == first.samples == 20 and both.survived < first.survived < 20
+    assert certify_in_a_row(turns, replace(ARCS_ONLY, certificate_samples=0)) is None
+
+
+def test_a_face_that_cannot_be_reached_is_refused_with_those_that_can():
+    refused = LegPlanner(ARCS_ONLY).plan(replace(SCENARIO, goal=GoalOnEdge(2)))
+    assert refused.trajectory is None and not refused.plan.then
+    assert 'can be reached: 5, 4, 1' in refused.plan.reason
 
 
 def test_the_map_of_another_object_is_another_one(tmp_path):

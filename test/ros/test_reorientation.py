@@ -8,14 +8,24 @@ import sys
 
 import numpy as np
 import pytest
+from action_msgs.msg import GoalInfo
+from builtin_interfaces.msg import Time
 from ros_graph import ALL, LOOP, WHOLE
+from unique_identifier_msgs.msg import UUID
 
 from wholearm_ros.model.perturbation import draw_perturbation
 from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
 from wholearm_ros.report.bag_run import read_runs
 from wholearm_ros.report.html.write import write_report
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.messages import FEEL_GOAL, goal_message, goal_name
+from wholearm_ros.ros.interface.goals import CANCELED, EXECUTING
+from wholearm_ros.ros.interface.messages import (
+    FEEL_GOAL,
+    NO_GOAL,
+    goal_message,
+    goal_name,
+    values_of,
+)
 
 pytestmark = pytest.mark.timeout(280)
 QUICK = {
@@ -109,6 +119,47 @@ def test_what_lies_in_the_hand_is_felt_before_anything_is_planned(graph):
     assert result['goal_id'] == goal_name(FEEL_GOAL)
     assert (result['claimed'], result['felt_edge']) == ('elsewhere', '0'), result
     assert float(result['felt_x']) == pytest.approx(-0.02, abs=2e-3)
+
+    goal.publish(GoalInfo(goal_id=UUID(uuid=[7] * 16)))
+    heard = heard_late(graph, channels.RESULT, 2)
+    assert [told['outcome'] for told in heard] == [result['outcome'], 'rejected']
+    assert heard[0] == result
+
+
+def heard_late(graph, topic: channels.Topic, number: int) -> list[dict]:
+    """What a subscriber hears that comes after so many results."""
+    first, late = graph.listen(topic), []
+    graph.wait(lambda: len(first) == number, topic.name)
+    graph.node.create_subscription(topic.type, topic.name, late.append, topic.qos)
+    graph.wait(lambda: len(late) == number, topic.name)
+    return [values_of(message) for message in late]
+
+
+def test_a_rejection_hides_no_result_and_each_names_its_request(graph):
+    """A goal that is canceled while its planner is looked for, the same id again, one of no id."""
+    graph.start(('reorientation',))
+    goal, cancel = (
+        graph.talk(channels.REORIENTATION_GOAL),
+        graph.talk(channels.REORIENTATION_CANCEL),
+    )
+    status = graph.listen(channels.REORIENTATION_STATUS)
+
+    def latest() -> int:
+        return status[-1].status_list[-1].status if status and status[-1].status_list else 0
+
+    for second in (1, 2):
+        goal.publish(goal_message(bytes([7] * 16), Time(sec=second)))
+        graph.wait(lambda: latest() == EXECUTING, 'executing')
+        if second == 1:
+            cancel.publish(goal_message(NO_GOAL, Time()))
+            graph.wait(lambda: latest() == CANCELED, 'canceled')
+    goal.publish(goal_message(NO_GOAL, Time(sec=3)))
+    heard = heard_late(graph, channels.REORIENTATION_RESULT, 2)
+    told = [(h['goal_id'], h['outcome'], int(h['request_stamp']) // 10**9) for h in heard]
+    assert told == [
+        (goal_name(bytes([7] * 16)), 'canceled', 1),
+        (goal_name(NO_GOAL), 'rejected', 3),
+    ]
 
 
 @pytest.mark.parametrize('in_hand, felt', [('', 'felt on edge 0'), ('regular_hexagon', 'no edge')])

@@ -11,6 +11,7 @@ from wholearm_ros.mechanics.contacts import gap_table, pose_on_palm, start_confi
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND, installed_backends
 from wholearm_ros.model.hand import Palm
+from wholearm_ros.model.hand_errors import HandErrors
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import ManipulatedObject, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
@@ -253,6 +254,69 @@ def test_mass_and_shape_are_the_true_ones_and_the_noise_is_as_asked(hand, backen
         readings.append(np.concatenate(h.joints()))
     spread = np.std(readings, axis=0)
     np.testing.assert_allclose(spread, [2e-4, 2e-4, 0.02, 0.02], rtol=0.15)
+
+
+def with_hand(**errors):
+    """A perturbation of the hand alone."""
+    return Perturbation(hand=HandErrors(**errors))
+
+
+@EACH
+def test_friction_of_a_joint_slows_it_down_and_holds_it(hand, backend):
+    """Coulomb's law, without a contact: ω falls by friction over inertia, and what is less does not move it."""
+    friction, coasting = np.array([0.02, 0.01]), 100
+    h = hand(backend, q=FAR, perturbation=with_hand(joint_friction=friction))
+    inertias = np.array([f.inertia for f in (SCENARIO.hand.left, SCENARIO.hand.right)])
+    for _ in range(50):
+        h.step(WEIGHTS * np.cos(h.joints()[0]) + [-0.1, 0.1])
+    before = h.joints()[1]
+    for _ in range(coasting):
+        h.step(WEIGHTS * np.cos(h.joints()[0]))
+    lost = np.abs(before) - np.abs(h.joints()[1])
+    np.testing.assert_allclose(lost, coasting * h.period * friction / inertias, rtol=0.03)
+    h.reset(FAR)
+    for _ in range(500):
+        h.step(WEIGHTS * np.cos(h.joints()[0]) + 0.9 * friction)
+    np.testing.assert_allclose(h.joints()[0], FAR[3:], atol=1e-4)
+
+
+@EACH
+def test_an_object_does_not_push_a_finger_that_friction_holds(hand, backend):
+    """The left one's torque presses the object on the right one, whose joint resists more than that asks for."""
+    h = hand(backend, perturbation=with_hand(joint_friction=[0.0, 0.3]))
+    for k in range(1000):
+        pressing = min(1.0, k / 500) * np.array([-0.1, 0.0])
+        h.step(WEIGHTS * np.cos(h.joints()[0]) + pressing)
+    np.testing.assert_allclose(h.joints()[0], Q[3:], atol=2e-3)
+    np.testing.assert_allclose(h.object_pose(), Q[:3], atol=2e-3)
+
+
+@EACH
+def test_gravity_pulls_where_it_is_turned_to(hand, backend):
+    turn = 0.02
+    h = hand(backend, q=FAR, perturbation=with_hand(gravity_turn=turn))
+    held = WEIGHTS * np.cos(FAR[3:] - turn)
+    for _ in range(100):
+        h.step(held)
+    fallen = h.time * G
+    np.testing.assert_allclose(
+        h.object_velocity()[:2],
+        [fallen * np.sin(turn), -fallen * np.cos(turn)],
+        rtol=0.02,
+    )
+    np.testing.assert_allclose(h.joints()[0], FAR[3:], atol=1e-4)
+
+
+@EACH
+def test_axes_zeros_and_start_are_the_true_ones(hand, backend):
+    zeros, axes = np.array([2e-3, -1e-3]), np.array([[3e-4, 0.0], [0.0, -2e-4]])
+    p = with_hand(encoder_zeros=zeros, axis_offsets=axes, start_x=1e-3)
+    h = hand(backend, q=FAR, perturbation=p)
+    np.testing.assert_allclose(h.joints()[0], FAR[3:] + zeros, atol=1e-7)
+    for side in range(2):
+        told, true = SCENARIO.hand[side], h.scenario.hand[side]
+        np.testing.assert_allclose(true.axis - told.axis, axes[side], atol=1e-12)
+    assert h.scenario.start.x == pytest.approx(SCENARIO.start.x + 1e-3)
 
 
 @EACH

@@ -29,9 +29,9 @@ def planned(request):
     ).trajectory
 
 
-def both(scenario, trajectory, level, draw, controls=ControlOptions()):
+def both(scenario, trajectory, level, draw, controls=ControlOptions(), hand_errors=0.0):
     """(the rollout of one perturbed sample, the record of the closed loop on the planar hand with the same perturbation)."""
-    sample = build_perturbed_samples(scenario, draw + 1, level, 11)[draw + 1]
+    sample = build_perturbed_samples(scenario, draw + 1, level, 11, hand_errors)[draw + 1]
     record = run(
         scenario,
         trajectory,
@@ -45,11 +45,13 @@ def both(scenario, trajectory, level, draw, controls=ControlOptions()):
     return rolled, record
 
 
-@pytest.mark.parametrize('level', [0.0, 1.0, 2.0])
+@pytest.mark.parametrize('level, hand_errors', [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 1.0)])
 @pytest.mark.parametrize('draw', range(DRAWS))
-def test_a_rollout_and_the_closed_loop_give_the_same_joint_commands(planned, level, draw):
-    """Every command of the run, of both motors, to 1e-9 N m, with delay, noise, friction, weak motors, another mass and shape."""
-    rolled, record = both(*planned, level, draw)
+def test_a_rollout_and_the_closed_loop_give_the_same_joint_commands(
+    planned, level, hand_errors, draw
+):
+    """Every command of the run, of both motors, to 1e-9 N m, with delay, noise, friction, weak motors, another mass and shape, errors of the hand."""
+    rolled, record = both(*planned, level, draw, hand_errors=hand_errors)
     assert not rolled.stopped and not record.reason
     np.testing.assert_allclose(rolled.commands, record.efforts, atol=1e-9, rtol=0.0)
     np.testing.assert_allclose(rolled.q[:3], record.poses[-1], atol=1e-4)

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from wholearm_ros.mechanics.contacts import deepest_penetration, gap_table, start_configuration
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.convex import turns
-from wholearm_ros.model.perturbation import NOMINAL, draw_perturbation
+from wholearm_ros.model.hand_errors import MAX_JOINT_FRICTION, HandErrors
+from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import ManipulatedObject, StartAtPose
 from wholearm_ros.model.scenario_file import load_scenario
@@ -45,6 +46,19 @@ def test_the_same_seed_draws_the_same_and_level_zero_is_nominal():
     )
     assert a == b and a != draw_perturbation(np.random.default_rng([4, 3]), 1.0, SCENARIO).to_dict()
     assert draw_perturbation(np.random.default_rng(0), 0.0, SCENARIO) is NOMINAL
+
+
+def test_errors_of_the_hand_are_drawn_beside_the_others_and_change_none_of_them():
+    rng = np.random.default_rng
+    alone, both = (
+        draw_perturbation(rng(5), 1.0, SCENARIO, level).to_dict() for level in (0.0, 2.0)
+    )
+    hand = both.pop('hand')
+    assert alone.pop('hand') == HandErrors().to_dict() and alone == both
+    assert 0.0 < max(hand['joint_friction']) <= 2 * MAX_JOINT_FRICTION
+    drawn = draw_perturbation(rng(5), 0.0, SCENARIO, 2.0)
+    assert drawn.to_dict()['hand'] == hand and drawn.mass_factor == 1.0
+    assert Perturbation.from_dict(drawn.to_dict()).to_dict() == drawn.to_dict()
     assert NOMINAL.applied(SCENARIO).object.mass == SCENARIO.object.mass
 
 

@@ -11,7 +11,8 @@ from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
-from wholearm_ros.model.scenario import GoalOnEdge
+from wholearm_ros.model.polygon import Polygon
+from wholearm_ros.model.scenario import GoalOnEdge, ManipulatedObject, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.legs import Leg
 from wholearm_ros.simulation.factory import make_hand
@@ -21,6 +22,15 @@ from wholearm_ros.suite.session import HandSession, Pursuit
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 SCENARIO = load_scenario(Path(__file__).parents[2] / 'config' / 'asymmetric_hexagon.yaml')
+
+HEPTAGON = [[0, 0], [-27, 41], [-91, 56], [-123, 29], [-115, -27], [-96, -64], [-37, -64]]
+# The centroid is 3 mm inside of its face 4.
+BARELY = replace(
+    SCENARIO,
+    object=ManipulatedObject(Polygon(1e-3 * np.array(HEPTAGON)), 0.39),
+    start=StartOnEdge(4, -0.017),
+    goal=GoalOnEdge(4),
+)
 
 
 def holding(scenario, held=0):
@@ -58,6 +68,12 @@ def test_an_object_that_lies_at_its_goal_is_claimed_there_and_stays_there():
     made = run_attempts(there, holding(there), NOMINAL)
     assert made.outcome == AT_GOAL
     assert made.last.poses[-1, 0] == pytest.approx(-0.02, abs=1e-3)
+
+
+@pytest.mark.parametrize('friction', [0.0, 0.05, 0.1])
+def test_squeezes_do_not_tip_an_object_off_a_face_that_it_barely_stands_on(friction):
+    made = run_attempts(BARELY, holding(BARELY), Perturbation(friction=friction))
+    assert made.outcome == AT_GOAL and made.claim.edge == 4
 
 
 def test_without_a_probe_nothing_is_claimed():

@@ -115,6 +115,17 @@ PerturbOption = Annotated[
         '1: ±5 %, ±0.5 mm, 0-0.05, 0-3 ms, ±3 %, 0.2 mrad.',
     ),
 ]
+HandErrorsOption = Annotated[
+    float,
+    typer.Option(
+        '--hand-errors',
+        min=0.0,
+        max=10.0,
+        metavar='LEVEL',
+        help='Draw errors of the hand unknown to the planner: joint friction, encoder zeros, '
+        'axes, direction of gravity, start x; 1: 0-0.02 N m, ±2 mrad, ±0.3 mm, ±0.5 °, ±1 mm.',
+    ),
+]
 PacingOption = Annotated[
     Pacing,
     typer.Option(

@@ -9,7 +9,7 @@ from rich.markup import escape
 from wholearm_ros.cli.output import err, out, print_plain
 from wholearm_ros.errors import WholeArmError
 from wholearm_ros.model.plan import FORMAT, ContactPlan
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario
 from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scenario_to_dict
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.model.yaml_text import read_text
@@ -17,7 +17,6 @@ from wholearm_ros.package_share import scenario_path
 from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
-from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.rollout.verification import Verification
 from wholearm_ros.suite.suite_file import MAX_BYTES
 from wholearm_ros.trajectory.main_trajectory import generate
@@ -42,9 +41,6 @@ def plan_scenario(scenario: Scenario, request: PlanRequest) -> PlanResult:
             scenario, lambda line: status.update(f'planning: {escape(line)}')
         )
     print_plan(result)
-    stop = stop_of(scenario, result.plan.scenario)
-    if stop is not None and result.trajectory is not None:
-        print_plain(f'this is the first turn of several: it ends on edge {stop.edge}')
     return result
 
 
@@ -62,9 +58,23 @@ def print_plan(result: PlanResult) -> None:
         if plan.certificate is not None:
             print_plain(f'certificate: {plan.certificate}')
         print_plain(f'route: {_route(plan)}; plan {plan.id}')
+        for line in _later_turns(plan):
+            print_plain(line)
     counts = [f'{value} {name.replace("_", " ")}' for name, value in plan.counts.items()]
     times = [f'{k.removesuffix("_ms")} {v:.0f} ms' for k, v in result.timings.items()]
     print_plain(f'search: {", ".join(counts)}; {", ".join(times)}')
+
+
+def _later_turns(plan: ContactPlan) -> list[str]:
+    """What comes after the first turn of several."""
+    if not plan.then:
+        return []
+    turns = [turn.scenario.goal for turn in (plan, *plan.then)]
+    edges = ', then '.join(f'edge {g.edge}' for g in turns if isinstance(g, GoalOnEdge))
+    return [
+        f'this is the first turn of {len(turns)}: {edges}; the hand feels between two',
+        f'certificate of all in a row: {plan.overall}',
+    ]
 
 
 def _route(plan: ContactPlan) -> str:

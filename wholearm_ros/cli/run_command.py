@@ -13,6 +13,7 @@ from wholearm_ros.cli.options import (
     BackendOption,
     BudgetOption,
     GoalEdgeOption,
+    HandErrorsOption,
     PacingOption,
     PerturbOption,
     RateOption,
@@ -69,6 +70,7 @@ def run(
     rate: RateOption = 1000.0,
     backend: BackendOption = Backend(DEFAULT_BACKEND),
     perturb: PerturbOption = 0.0,
+    hand_errors: HandErrorsOption = 0.0,
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
@@ -143,6 +145,7 @@ def run(
         params=params and params.absolute(),
         then=tuple(then),
         perturb=perturb,
+        hand_errors=hand_errors,
     )
     report = _run(asked, options)
     _print(report, options, str(path))

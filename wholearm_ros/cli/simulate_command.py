@@ -11,6 +11,7 @@ from wholearm_ros.cli.options import (
     TIME_BUDGET,
     BudgetOption,
     GoalEdgeOption,
+    HandErrorsOption,
     JsonOption,
     JudgeOption,
     PerturbOption,
@@ -25,8 +26,9 @@ from wholearm_ros.cli.output import finish, out, print_plain, write_json, write_
 from wholearm_ros.cli.planning import load_asked, plan_scenario, read_plan
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Search, Transition
-from wholearm_ros.planner.legs import Leg
+from wholearm_ros.planner.legs import Leg, whole_task
 from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.report.run_document import run_document
 from wholearm_ros.simulation.closed_loop import LoopOptions
 from wholearm_ros.suite.execution import JudgedRun, execute
@@ -45,6 +47,7 @@ def simulate(
     goal_edge: GoalEdgeOption = None,
     seed: SeedOption = 0,
     perturb: PerturbOption = 0.0,
+    hand_errors: HandErrorsOption = 0.0,
     search: SearchOption = Search.best,
     transition: TransitionOption = Transition.auto,
     time_budget: BudgetOption = TIME_BUDGET,
@@ -79,8 +82,12 @@ def simulate(
             finish(False)
         plan, trajectory = result.plan, result.trajectory
     loop = LoopOptions(rate, view=view)
-    options = SuiteOptions(PlanRequest(seed=seed), perturb, backend=backend, loop=loop)
-    execution = execute(plan.scenario, Leg(trajectory, plan.scenario), options)
+    options = SuiteOptions(
+        PlanRequest(seed=seed), perturb, backend=backend, loop=loop, hand_errors=hand_errors
+    )
+    asked = whole_task(plan)
+    leg = Leg(trajectory, plan.scenario, stop_of(asked, plan.scenario), plan)
+    execution = execute(asked, leg, options)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))
     if run_out:
@@ -99,6 +106,7 @@ def _document(execution: JudgedRun, plan_id: str, options: SuiteOptions) -> dict
         'plan_id': plan_id,
         'seed': options.seed,
         'perturb': options.perturb,
+        'hand_errors': options.hand_errors,
         'executed': judged.executed,
         'reason': judged.reason,
         'final_pose': judged.pose.tolist(),

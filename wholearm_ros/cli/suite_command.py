@@ -10,6 +10,7 @@ from wholearm_ros.cli.options import (
     MIN_SUCCESS,
     TIME_BUDGET,
     BudgetOption,
+    HandErrorsOption,
     JsonOption,
     JudgeOption,
     PerturbOption,
@@ -36,6 +37,7 @@ def suite(
     file: Annotated[Path, typer.Argument(metavar='FILE', help='A wholearm-suite/1 document.')],
     seed: SeedOption = 0,
     perturb: PerturbOption = 0.0,
+    hand_errors: HandErrorsOption = 0.0,
     draws: Annotated[
         int, typer.Option('--draws', min=1, max=1000, help='Perturbed runs of each plan.')
     ] = 1,
@@ -79,7 +81,9 @@ def suite(
         time_budget=time_budget,
         min_success=min_success,
     )
-    options = SuiteOptions(request, perturb, draws, backend, attempts=attempts, probe=probe)
+    options = SuiteOptions(
+        request, perturb, draws, backend, attempts=attempts, probe=probe, hand_errors=hand_errors
+    )
     results = _run_with_progress(tasks, options, jobs, scheduler)
     summary = summarize(results)
     if json_out:

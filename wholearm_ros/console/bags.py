@@ -25,11 +25,11 @@ def replay(runs: Path, name: str) -> dict[str, Any]:
 
 
 def report(runs: Path, name: str) -> str:
-    """The report of a bag, as HTML. Raises WholeArmError."""
-    from wholearm_ros.report.bag_run import read_bag
-    from wholearm_ros.report.html.run_page import run_page
+    """The report of a bag, all its attempts in a row, as HTML. Raises WholeArmError."""
+    from wholearm_ros.report.bag_run import read_runs
+    from wholearm_ros.report.html.write import page_of_bag
 
-    return run_page(*read_bag(_bag(runs, name)))
+    return page_of_bag(read_runs(_bag(runs, name)))
 
 
 def _bags(runs: Path) -> dict[str, Path]:

@@ -20,6 +20,9 @@ ACCELERATION = 3.0  # [rad/s²] of the held finger at most: what it pushes must 
 # Greatest acceleration of a fifth-order move from rest to rest, over its way and time.
 PEAK = 5.7735
 SHORTEST = 0.12  # [s] of one of its moves
+AWAY_SPEED = 0.35  # [rad/s] at most when it leads the object away: the closing one keeps up
+# Greatest speed of a fifth-order move from rest to rest, over its way and time.
+PEAK_SPEED = 1.875
 STIFFNESS = 6.0  # [N m/rad] of the closing finger about its target, until `torque` bounds it
 # [rad/s] at which damping balances the closing torque: faster, it would tip what it meets.
 CLOSING_SPEED = 0.4
@@ -81,17 +84,20 @@ class Probing:
         )
 
     def _phases(self, found: float) -> tuple[Phase, ...]:
-        """The moves of a held finger that was found at an angle [rad]."""
+        """The moves of a held finger that was found at an angle [rad]: both open, it comes back,
+        the other one closes, it leads the object to the first place, and from place to place.
+        """
         probe, held = self.probe, self.probe.held
-        first = float(probe.places[0])
         opened = found - CLOSING[held] * float(probe.opened[held])
-        widest = min((opened, first), key=lambda angle: CLOSING[held] * angle)
-        ways = pairwise([widest, *map(float, probe.places)])
-        return (
-            Phase(found, RELEASE, False, False),
-            Phase(widest, _time(found, widest), False, False),
-            *(Phase(place, _time(before, place), True, True) for before, place in ways),
-        )
+        phases = [Phase(found, RELEASE, False, False)]
+        if probe.opened.any():
+            phases += [Phase(a, _time(opened, found), False, False) for a in (opened, found)]
+            phases += [Phase(found, SHORTEST, True, False)]
+        first, *others = map(float, probe.places)
+        phases += [Phase(first, _slow_time(found, first), True, True)]
+        ways = pairwise([first, *others])
+        phases += [Phase(place, _time(before, place), True, True) for before, place in ways]
+        return tuple(phases)
 
     def step(
         self, state: ProbingState, now: float, joints: Joints
@@ -176,3 +182,8 @@ def _mean(readings: tuple[Reading, ...], after: float, until: float) -> np.ndarr
 def _time(start: float, end: float) -> float:
     """[s] of a move between two angles [rad]."""
     return max(SHORTEST, float(np.sqrt(PEAK * abs(end - start) / ACCELERATION)))
+
+
+def _slow_time(start: float, end: float) -> float:
+    """[s] the same, at AWAY_SPEED at most."""
+    return max(_time(start, end), PEAK_SPEED * abs(end - start) / AWAY_SPEED)

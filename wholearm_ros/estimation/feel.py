@@ -157,6 +157,8 @@ class Feeler:
         both[-1] = True
         squeezes = Squeezes(probe.held, pairs[both])
         felt = self._felt((squeezes,))
+        if len(pairs) < FEWEST and felt.kind == UNKNOWN:
+            felt = replace(felt, reason=f'{felt.reason}; at others it might tip')
         if felt.kind == UNKNOWN and before is not None and before.kind == UNKNOWN:
             known = before.squeezes and self._felt((before.squeezes, squeezes))
             felt = known if known and known.kind == LYING else felt
@@ -256,34 +258,43 @@ def refined(
 def _explanation(
     model: SqueezeModel, resting: Resting, errors: np.ndarray, measured: tuple[Squeezes, ...]
 ) -> Explanation:
-    """The covariance has the outline's errors and the zeros of both encoders, which all pairs
-    share, and the readings' noise.
-    """
     innovations, by_vertices, by_zeros, by_held, openings = [], [], [], [], []
     for held, pairs in measured:
         prediction = model.predict(resting, held, pairs[:, held])
         innovations.append(pairs[:, 1 - held] - prediction.angles + prediction.by_vertices @ errors)
         by_vertices.append(prediction.by_vertices)
         by_held.append(prediction.by_held)
-        zeros = np.ones((len(pairs), 2))
-        zeros[:, held] = -prediction.by_held
-        by_zeros.append(zeros)
+        by_zeros.append(derivatives_by_zeros(held, prediction.by_held))
         opening = np.full(len(pairs), -float(CLOSING[1 - held]))
         opening[-1] = 0.0  # whatever happened before: this is where it lies now
         openings.append(opening)
     innovation, outline = np.concatenate(innovations), np.vstack(by_vertices)
     if not np.isfinite(innovation).all() or not np.isfinite(outline).all():
         return Explanation(model, resting, NO_FIT, errors, errors)
-    zeros = np.vstack(by_zeros)
-    covariance = (
-        VERTEX_DEVIATION**2 * outline @ outline.T
-        + OFFSET_DEVIATION**2 * zeros @ zeros.T
-        + READING_DEVIATION**2 * np.diag(1.0 + np.concatenate(by_held) ** 2)
-    )
+    covariance = pairs_covariance(outline, np.vstack(by_zeros), np.concatenate(by_held))
     fit, touching = _with_gaps(innovation, covariance, np.concatenate(openings))
     gain = np.linalg.solve(covariance[np.ix_(touching, touching)], innovation[touching])
     likely = VERTEX_DEVIATION**2 * outline[touching].T @ gain
     return Explanation(model, resting, fit, errors, likely)
+
+
+def derivatives_by_zeros(held: int, by_held: np.ndarray) -> np.ndarray:
+    """(k, 2) of the closing finger's angles with respect to the zeros of both encoders."""
+    zeros = np.ones((len(by_held), 2))
+    zeros[:, held] = -by_held
+    return zeros
+
+
+def pairs_covariance(outline: np.ndarray, zeros: np.ndarray, by_held: np.ndarray) -> np.ndarray:
+    """(k, k) [rad²] of the closing finger's angles: the outline's errors and the zeros of both
+    encoders, which all pairs share, and the readings' noise. outline (k, 2n) [rad/m], zeros (k, 2),
+    by_held (k,): derivatives.
+    """
+    return np.asarray(
+        VERTEX_DEVIATION**2 * outline @ outline.T
+        + OFFSET_DEVIATION**2 * zeros @ zeros.T
+        + READING_DEVIATION**2 * np.diag(1.0 + by_held**2)
+    )
 
 
 def _x(one: Explanation, last: Squeezes) -> tuple[float, float]:

@@ -45,7 +45,7 @@ def hold_to_feel(
     weights = feeler.model.world.finger_moment
     if before is None:
         hold = hold_trajectory(angles, weights, feeler.hypotheses[0].pose, LEFT)
-        return replace(hold, probe=probe_of_the_unknown(feeler, LEFT, float(angles[LEFT])))
+        return replace(hold, probe=probe_of_the_unknown(feeler, LEFT, angles))
     held = 1 - before.segments[-1].velocity_finger
     hold = hold_trajectory(angles, weights, before.poses[-1], held)
-    return replace(hold, probe=probe_after(feeler, hold))
+    return replace(hold, probe=probe_after(feeler, hold, again=True))

@@ -27,7 +27,7 @@ class Resting:
 
     pose (3,): centroid [m] and rotation [rad] with the centroid above the segment's middle; along
     (2,): direction in which it slides; reach [m]: how far the centroid may slide to either side and
-    still be over the segment.
+    still be over the segment; height [m]: of the centroid above it.
     """
 
     edge: int
@@ -35,6 +35,7 @@ class Resting:
     pose: np.ndarray
     along: np.ndarray
     reach: float
+    height: float
 
     def pose_at(self, slide: float) -> np.ndarray:
         """(3,) the pose after a slide [m]."""
@@ -129,7 +130,8 @@ def _resting(scenario: Scenario, world: World, edge: int, segment: int) -> Resti
     along = (ends[1] - ends[0]) / length
     angle = scenario.object.polygon.resting_angle(edge) + float(np.arctan2(along[1], along[0]))
     pose = pose_on_palm(world, float(ends[:, 0].mean()), angle, segment)
-    return Resting(edge, segment, readonly(pose, (3,)), readonly(along, (2,)), length / 2)
+    height = float(np.array([-along[1], along[0]]) @ (pose[:2] - ends[0]))
+    return Resting(edge, segment, readonly(pose, (3,)), readonly(along, (2,)), length / 2, height)
 
 
 def _squeeze(

@@ -25,13 +25,15 @@ switch_period = inlined(switch_law.switch_period)
 
 class Plant(NamedTuple):
     """What a sample has of its own beside its world: friction; torque_factors: (2,) of the motors;
-    delay: periods from a command to its torque; noise: (n, 2, 2) added to the n-th reading of
-    angles and velocities [rad, rad/s], none beyond.
+    delay: periods from a command to its torque; zeros: (2,) added to every reading of the angles
+    [rad]; noise: (n, 2, 2) added to the n-th reading of angles and velocities [rad, rad/s], none
+    beyond.
     """
 
     friction: float
     torque_factors: np.ndarray
     delay: int
+    zeros: np.ndarray
     noise: np.ndarray
 
 
@@ -142,7 +144,7 @@ def _new_motors(plant, start):
 def _read(plant, n, state, motors):
     """The encoders' readings number n of both joints."""
     for side in range(2):
-        angle, velocity = state.q[joint(side)], state.v[joint(side)]
+        angle, velocity = state.q[joint(side)] + plant.zeros[side], state.v[joint(side)]
         if n < plant.noise.shape[0]:
             angle += plant.noise[n, 0, side]
             velocity += plant.noise[n, 1, side]

@@ -11,7 +11,8 @@ symmetric, positive semidefinite problem: v⁺ is the projection of the free vel
 metric, on a convex set that holds v = 0 (unless something penetrates), so a step never adds kinetic
 energy. An object that friction can hold does not creep. The term μ |T v| takes back the dilation μ
 |T v⁺| of the convex cone: what slides stays in contact, up to the change of its sliding speed in
-one step.
+one step. Coulomb friction of a joint acts on its free velocity: as much of it as would hold the
+joint against the contact forces of the step before.
 """
 
 from typing import NamedTuple
@@ -116,8 +117,13 @@ def _free_velocity(world, work, efforts, v, frames, free):
     free[ROTATION] = v[ROTATION] - h * load[ROTATION] / inertias[ROTATION]
     for side in range(2):
         j = joint(side)
-        held = world.finger_moment[side] * frame_of_finger(frames, side).cos
+        frame = frame_of_finger(frames, side)
+        held = world.finger_moment[side] * (frame.cos + world.leaning * frame.sin)
         free[j] = v[j] + h * (efforts[side] - held) / inertias[j]
+        if world.joint_friction[side] > 0.0:
+            # What would bring the joint to rest, had it the contact forces of the step before.
+            most = h * world.joint_friction[side] / inertias[j]
+            free[j] -= min(max(free[j] + work.scale[j] * work.lcp.x[j], -most), most)
 
 
 @inlined

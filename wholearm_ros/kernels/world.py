@@ -20,7 +20,8 @@ class World(NamedTuple):
     configurations are compared; limits: (2, 2) of the joints [rad]; load: (5,) = (−g_O, ·) [N,
     N, N m], the finger entries of which depend on the angles (`statics.load_at`);
     finger_moment: (2,) = m g L / 2 [N m]; inertias: (5,) [kg, kg, kg m², …]; torque_limits:
-    (2,) [N m].
+    (2,) [N m]; joint_friction: (2,) [N m]; leaning: tangent of the angle by which gravity is
+    turned from -y.
     """
 
     obj: np.ndarray
@@ -33,3 +34,5 @@ class World(NamedTuple):
     finger_moment: np.ndarray
     inertias: np.ndarray
     torque_limits: np.ndarray
+    joint_friction: np.ndarray
+    leaning: float

@@ -23,6 +23,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
 from wholearm_ros.errors import WholeArmError
+from wholearm_ros.model.outcomes import REJECTED
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.ros.interface import channels
@@ -350,8 +351,8 @@ class Client:
 
     def _on_result(self, message: DiagnosticStatus) -> None:
         values = values_of(message)
-        # A rejection names its request, which may be another client's.
-        if values.get('request_stamp', self._request_stamp) == self._request_stamp:
+        own = values.get('request_stamp') == self._request_stamp
+        if own or values.get('outcome') != REJECTED:  # else another client's request
             self.latest.result, self.latest.result_message = values, message.message
 
     def _on_reorientation(self, message: DiagnosticStatus) -> None:

@@ -58,8 +58,8 @@ class RunOptions:
     rate: of the motors [Hz]; record: directory of the bag, or None; topics: what goes into it, all
     when empty; time_budget: for planning [s]; hardware: the physics of the simulated hand, none
     where a hand is there, or ros2_control; params: a parameter file for every node; then: faces to
-    be reached after the scenario's goal, one after the other, without a reset; perturb: level of
-    the simulated hand's errors, those of number `seed`.
+    be reached after the scenario's goal, one after the other, without a reset; perturb,
+    hand_errors: levels of the simulated hand's errors, those of number `seed`.
     """
 
     scenario: str
@@ -79,6 +79,7 @@ class RunOptions:
     time_budget: float = PlanRequest.time_budget
     then: tuple[int, ...] = ()
     perturb: float = 0.0
+    hand_errors: float = 0.0
 
     @property
     def simulated(self) -> bool:
@@ -87,7 +88,8 @@ class RunOptions:
 
     def truth(self, scenario: Scenario) -> Scenario:
         """The scenario as the simulated hand has it."""
-        return numbered_perturbation(self.perturb, self.seed, scenario).applied(scenario)
+        drawn = numbered_perturbation(self.perturb, self.seed, scenario, self.hand_errors)
+        return drawn.applied(scenario)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +152,7 @@ def node_parameters(options: RunOptions) -> dict[str, dict[str, Any]]:
             'view': options.view,
             'motor_rate': options.rate,
             'perturb': float(options.perturb),
+            'hand_errors': float(options.hand_errors),
             'perturb_number': options.seed,
         }
     return {

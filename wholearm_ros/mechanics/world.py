@@ -16,7 +16,7 @@ LENGTH_PER_RADIAN = (
 
 def build_world(scenario: Scenario) -> World:
     """The arrays of a scenario."""
-    body, hand, g = scenario.object, scenario.hand, scenario.gravity.in_plane
+    body, hand, pull = scenario.object, scenario.hand, scenario.gravity.pull
     fingers = [(*f.axis, f.length, f.half_width) for f in (hand.left, hand.right)]
     both = (hand.left, hand.right)
     length = round(LENGTH_PER_RADIAN * 0.5 * sum(f.length for f in both), 12)
@@ -27,10 +27,12 @@ def build_world(scenario: Scenario) -> World:
         corners=readonly(_touchable_corners(scenario.palm.vertices), dtype=np.int64),
         scale=readonly([length, length, 1.0, 1.0, 1.0]),
         limits=readonly([f.angle_limits for f in both]),
-        load=readonly([0.0, body.mass * g, 0.0, 0.0, 0.0]),
+        load=readonly([*(0.0 - body.mass * pull), 0.0, 0.0, 0.0]),
         finger_moment=readonly(scenario.finger_moments),
         inertias=readonly([body.mass, body.mass, body.inertia, both[0].inertia, both[1].inertia]),
         torque_limits=readonly([f.torque_limit for f in both]),
+        joint_friction=readonly([f.joint_friction for f in both]),
+        leaning=float(np.tan(scenario.gravity.turn)),
     )
 
 

@@ -19,7 +19,8 @@ class Finger:
     Its joint angle θ is its direction, counter-clockwise from +x.
 
     axis: (2,) [m]; length, half_width [m]; mass [kg]; rotor_inertia [kg m²] seen at the joint;
-    angle_limits: (2,) [rad]; torque_limit [N m].
+    angle_limits: (2,) [rad]; torque_limit [N m]; joint_friction [N m]: Coulomb friction about the
+    axis, of which plans know nothing.
     """
 
     axis: np.ndarray
@@ -29,6 +30,7 @@ class Finger:
     rotor_inertia: float
     angle_limits: np.ndarray
     torque_limit: float
+    joint_friction: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'axis', readonly(self.axis, (2,)))
@@ -57,6 +59,7 @@ class Finger:
             self.rotor_inertia,
             np.array([np.pi - high, np.pi - low]),
             self.torque_limit,
+            self.joint_friction,
         )
 
 

@@ -3,7 +3,8 @@
 Those of a planning call are in `plan.py`.
 """
 
-SUCCEEDED, CANCELED, ABORTED = 'succeeded', 'canceled', 'aborted'  # a goal on the ROS graph
+# A goal on the ROS graph.
+SUCCEEDED, CANCELED, ABORTED, REJECTED = 'succeeded', 'canceled', 'aborted', 'rejected'
 
 # What a probe finds in the hand: an object that lies on an edge, nothing, or neither for sure.
 LYING, NOTHING, UNKNOWN = 'lying', 'nothing', 'unknown'

@@ -7,6 +7,7 @@ import numpy as np
 
 from wholearm_ros.errors import ScenarioError
 from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.hand_errors import HandErrors, draw_hand_errors
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import ManipulatedObject, Scenario
 
@@ -27,7 +28,7 @@ MAX_HALVINGS = 60
 class Perturbation:
     """mass_factor; vertex_offsets: (n, 2) [m] or None; friction; actuation_delay [s];
     torque_factors: (2,), left then right; encoder_noise [rad], velocity_noise [rad/s]: standard
-    deviations; noise_seed: of the readings.
+    deviations; noise_seed: of the readings; hand: the errors of the hand.
     """
 
     mass_factor: float = 1.0
@@ -38,6 +39,7 @@ class Perturbation:
     encoder_noise: float = 0.0
     velocity_noise: float = 0.0
     noise_seed: int = 0
+    hand: HandErrors = field(default_factory=HandErrors)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'torque_factors', readonly(self.torque_factors, (2,)))
@@ -45,12 +47,12 @@ class Perturbation:
             object.__setattr__(self, 'vertex_offsets', readonly(self.vertex_offsets, (-1, 2)))
 
     def applied(self, scenario: Scenario) -> Scenario:
-        """The true scenario: perturbed mass and shape, everything else nominal."""
+        """The true scenario: perturbed mass, shape and hand."""
         vertices = scenario.object.polygon.vertices
         if self.vertex_offsets is not None:
             vertices = vertices + self.vertex_offsets
         thing = ManipulatedObject(Polygon(vertices), scenario.object.mass * self.mass_factor)
-        return replace(scenario, object=thing)
+        return self.hand.applied(replace(scenario, object=thing))
 
     def reseeded(self, seed: int) -> 'Perturbation':
         """The same perturbation with other encoder noise."""
@@ -68,23 +70,34 @@ class Perturbation:
             'encoder_noise': self.encoder_noise,
             'velocity_noise': self.velocity_noise,
             'noise_seed': self.noise_seed,
+            'hand': self.hand.to_dict(),
         }
 
     @classmethod
     def from_dict(cls, told: dict[str, Any]) -> 'Perturbation':
         """The inverse of `to_dict`; raises TypeError or ValueError for anything else."""
-        return cls(**told)
+        return cls(**{**told, 'hand': HandErrors(**told.get('hand', {}))})
 
 
 NOMINAL = Perturbation()
 
 
-def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario) -> Perturbation:
+def draw_perturbation(
+    rng: np.random.Generator, level: float, scenario: Scenario, hand_errors: float = 0.0
+) -> Perturbation:
     """One draw at `level` (0 is nominal, 1 as in the constants above), reproducible from the state
-    of `rng`. Raises ScenarioError when no offsets keep the polygon convex.
+    of `rng`; the errors of the hand are drawn beside it, at the level `hand_errors`.
+
+    Raises ScenarioError when no offsets keep the polygon convex.
     """
-    if level == 0.0:
-        return NOMINAL
+    drawn = NOMINAL if level == 0.0 else _draw_others(rng, level, scenario)
+    if hand_errors == 0.0:
+        return drawn
+    return replace(drawn, hand=draw_hand_errors(rng.spawn(1)[0], hand_errors))
+
+
+def _draw_others(rng: np.random.Generator, level: float, scenario: Scenario) -> Perturbation:
+    """Of the object, its friction, the motors and the encoders' noise."""
     return Perturbation(
         mass_factor=1.0 + level * MASS_SHARE * rng.uniform(-1.0, 1.0),
         vertex_offsets=_draw_offsets(rng, level * VERTEX_OFFSET, scenario.object.polygon.vertices),
@@ -97,9 +110,11 @@ def draw_perturbation(rng: np.random.Generator, level: float, scenario: Scenario
     )
 
 
-def numbered_perturbation(level: float, number: int, scenario: Scenario) -> Perturbation:
-    """The draw of that number at `level`, always the same."""
-    return draw_perturbation(np.random.default_rng(number), level, scenario)
+def numbered_perturbation(
+    level: float, number: int, scenario: Scenario, hand_errors: float = 0.0
+) -> Perturbation:
+    """The draw of that number at these levels, always the same."""
+    return draw_perturbation(np.random.default_rng(number), level, scenario, hand_errors)
 
 
 def _draw_offsets(rng: np.random.Generator, size: float, vertices: np.ndarray) -> np.ndarray:

@@ -120,7 +120,9 @@ class ContactPlan:
     found or why nothing was; counts: figures of the search by name; subgoals: all that were found;
     path: numbers of those on the route, X_init first; legs: along it; cost: of the route, by name;
     execution: options of Phase 2 chosen by verification, {} for the defaults; certificate: how
-    surely it succeeds, None when none was asked for.
+    surely it succeeds, None when none was asked for; band, courses: of the fingers in the surviving
+    samples; then: the turns that are meant to follow, each from where the one before ends; overall:
+    the certificate of all of them in a row.
     """
 
     scenario: Scenario
@@ -137,6 +139,8 @@ class ContactPlan:
     certificate: Certificate | None = None
     band: Band | None = None
     courses: np.ndarray | None = None
+    then: 'tuple[ContactPlan, ...]' = ()
+    overall: Certificate | None = None
 
     def __post_init__(self) -> None:
         if self.courses is not None:
@@ -146,6 +150,11 @@ class ContactPlan:
     def found(self) -> bool:
         """Whether there is a route."""
         return self.outcome == FOUND
+
+    @property
+    def turn(self) -> 'ContactPlan':
+        """The plan without the turns that follow."""
+        return replace(self, then=(), overall=None) if self.then else self
 
     @cached_property
     def id(self) -> str:
@@ -167,7 +176,8 @@ class ContactPlan:
             return f'no plan ({self.outcome}): {self.reason} [{counts}]'
         sure = f'; {self.certificate}' if self.certificate else ''
         route = f'{len(self.path)} subgoals on the path, {self.reason}'
-        return f'plan {self.id[:8]}: {route}{sure} [{counts}]'
+        more = f'; {len(self.then)} more to follow, in a row {self.overall}' if self.then else ''
+        return f'plan {self.id[:8]}: {route}{sure}{more} [{counts}]'
 
     def with_execution(self, execution: dict[str, Any]) -> 'ContactPlan':
         """The same route, to be executed with those options."""
@@ -197,6 +207,8 @@ class ContactPlan:
             **({'certificate': self.certificate.to_dict()} if self.certificate else {}),
             **({'band': self.band.to_dict()} if self.band else {}),
             **({} if self.courses is None else {'courses': self.courses.tolist()}),
+            **({'then': [turn._content() for turn in self.then]} if self.then else {}),
+            **({'overall': self.overall.to_dict()} if self.overall else {}),
         }
 
     @classmethod
@@ -239,4 +251,6 @@ class ContactPlan:
             Certificate(**d['certificate']) if d.get('certificate') else None,
             Band.from_dict(d['band']) if d.get('band') else None,
             d.get('courses'),
+            tuple(map(cls._from_content, d.get('then', ()))),
+            Certificate(**d['overall']) if d.get('overall') else None,
         )

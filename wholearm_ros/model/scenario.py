@@ -26,15 +26,27 @@ class ManipulatedObject:
 
 @dataclass(frozen=True)
 class Gravity:
-    """acceleration [m/s²], tilt [rad] of the support plane from the vertical."""
+    """acceleration [m/s²], tilt [rad] of the support plane from the vertical; turn [rad]: of its
+    direction in the plane from -y, counter-clockwise.
+    """
 
     acceleration: float
     tilt: float
+    turn: float = 0.0
 
     @property
     def in_plane(self) -> float:
-        """Acceleration along the support plane, towards -y [m/s²]."""
+        """Acceleration along the support plane [m/s²]."""
         return self.acceleration * float(np.cos(self.tilt))
+
+    @property
+    def pull(self) -> np.ndarray:
+        """(2,) [m/s²], the acceleration in the plane."""
+        return self.in_plane * np.array([np.sin(self.turn), -np.cos(self.turn)])
+
+    def mirrored(self) -> 'Gravity':
+        """The mirror image (x → -x)."""
+        return Gravity(self.acceleration, self.tilt, -self.turn)
 
 
 @dataclass(frozen=True)
@@ -121,7 +133,7 @@ class Scenario:
     @property
     def finger_moments(self) -> tuple[float, float]:
         """m g L / 2 [N m] of the left and the right finger: what holds them level."""
-        g, left, right = self.gravity.in_plane, self.hand.left, self.hand.right
+        g, left, right = -float(self.gravity.pull[1]), self.hand.left, self.hand.right
         return left.mass * g * left.length / 2, right.mass * g * right.length / 2
 
     @property
@@ -136,7 +148,7 @@ class Scenario:
             ManipulatedObject(self.object.polygon.mirrored(), self.object.mass),
             self.hand.mirrored(),
             self.palm.mirrored(),
-            self.gravity,
+            self.gravity.mirrored(),
             self.start.mirrored(edges),
             self.goal.mirrored(edges),
             self.name,

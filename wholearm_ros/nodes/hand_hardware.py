@@ -58,7 +58,14 @@ DECLARED = (
         0.0,
         10.0,
     ),
-    Declared('perturb_number', 0, 'which of the draws at that level', 0, 1_000_000),
+    Declared(
+        'hand_errors',
+        0.0,
+        'level of errors of joints, encoder zeros, axes, gravity and start x, likewise',
+        0.0,
+        10.0,
+    ),
+    Declared('perturb_number', 0, 'which of the draws at these levels', 0, 1_000_000),
     Declared('motor_rate', 1000.0, 'of joint_states and of the motors [Hz]', 50.0, 2000.0),
     Declared('object_pose_rate', 100.0, 'of the truth on object_pose [Hz]', 1.0, 2000.0),
     COMMAND_TIMEOUT,
@@ -104,7 +111,9 @@ class HandHardware(WholeArmNode):
                 'with its own stamps; allowed: answered'
             )
 
-        self.perturbation = numbered_perturbation(p.perturb, p.perturb_number, self.scenario)
+        self.perturbation = numbered_perturbation(
+            p.perturb, p.perturb_number, self.scenario, p.hand_errors
+        )
         self.hand = make_hand(p.backend, self.scenario, p.motor_rate, self.perturbation, p.view)
         self.start = perturbed_start(self.scenario, self.hand.scenario)
         self.hand.step(np.zeros(2))  # whatever must be compiled is compiled now

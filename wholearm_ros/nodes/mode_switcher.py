@@ -51,7 +51,7 @@ DECLARED = (
     replace(DIAGNOSTICS_RATE, default=10.0),
     Declared('settle', 0.5, 'how long the end is held before the mode says done [s]', 0.0, 60.0),
     Declared(
-        'start_tolerance', 0.05, 'of both angles from the start of a trajectory [rad]', 1e-4, 1.0
+        'start_tolerance', 0.15, 'of both angles from the start of a trajectory [rad]', 1e-4, 1.0
     ),
     Declared(
         'joint_states_timeout',

@@ -27,7 +27,6 @@ from wholearm_ros.ros.interface.goals import (
     CANCELED,
     CANCELING,
     EXECUTING,
-    NAMES,
     SUCCEEDED,
 )
 from wholearm_ros.ros.interface.messages import (
@@ -44,7 +43,7 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.goal_server import GoalServer
-from wholearm_ros.ros.node.node import OK, WARN, WholeArmNode
+from wholearm_ros.ros.node.node import OK, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 
 DECLARED = (
@@ -111,7 +110,8 @@ class Reorientation(WholeArmNode):
             self.get_logger().warning(f'rejected: {reason}')
             self.goals.reject(message, reason)
             return
-        self.goals.accept(goal_message(goal, self.get_clock().now().to_msg()))
+        info = goal_message(goal, self.get_clock().now().to_msg())
+        self.goals.accept(info, to_nanoseconds(message.stamp))
         self.goals.move(EXECUTING)
         self.goals.publish_status()
         self.round, self.sent, self.last, self.tries = self.round + 1, None, {}, []
@@ -265,8 +265,8 @@ class Reorientation(WholeArmNode):
         values = values_of(message)
         if not self.sent or values.get('goal_id') != goal_name(self.sent[0]):
             return
-        if values.get('request_stamp', str(self.sent[1])) != str(self.sent[1]):
-            return  # another client's rejection
+        if values.get('request_stamp') != str(self.sent[1]):
+            return  # of another request: an earlier one, or another client's
         canceling = bool(self.goals.active and self.goals.active.status == CANCELING)
         planned, self.sent, self.last = self.phase == modes.EXECUTING, None, values
         said = _claim(values)
@@ -294,22 +294,17 @@ class Reorientation(WholeArmNode):
 
     def end(self, status: int, reason: str) -> None:
         """The active goal's; the planner gets back the scenario it had."""
-        goal = self.goals.move(status, reason)
         self.round, self.phase, self.sent, self.asked = self.round + 1, '', None, None
-        self.goals.publish_status()
         self.configure_planner(self.parameters.scenario, then=None)
         felt = {k: v for k, v in self.last.items() if k.startswith(('felt', 'claimed'))}
         values = {
-            'reason': reason,
             **felt,
             'attempts': self.supervision.attempts,
             'stamp': self.last.get('stamp', ''),
             'tries': json.dumps(self.tries),
         }
-        name, level = NAMES[status], OK if status == SUCCEEDED else WARN
-        message = f'{name}: {reason}'
-        self.goals.publish_result(level, message, goal_id_of(goal.info), name, values)
-        if level == OK:
+        message = self.goals.end(status, reason, values)
+        if status == SUCCEEDED:
             self.get_logger().info(message)
         else:  # rclpy wants every line of code to keep to one severity
             self.get_logger().warning(message)

@@ -46,7 +46,7 @@ from wholearm_ros.ros.interface.messages import (
 )
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.goal_server import GoalServer
-from wholearm_ros.ros.node.node import OK, WARN, Health, WholeArmNode
+from wholearm_ros.ros.node.node import OK, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import plan_markers
 from wholearm_ros.trajectory.main_trajectory import generate
@@ -149,7 +149,7 @@ class TrajectoryGenerator(WholeArmNode):
             self.last_stamp = max(self.get_clock().now().nanoseconds, self.last_stamp + 1)
             info = goal_message(goal, self.get_clock().now().to_msg())
             set_stamp(info.stamp, self.last_stamp)
-            self.goals.accept(info)
+            self.goals.accept(info, to_nanoseconds(message.stamp))
             self.goals.publish_status()
             self.felt_before = self.claimed.felt if self.claimed and goal == FEEL_GOAL else None
             self.silence, self.claimed = 0.0, None
@@ -251,24 +251,16 @@ class TrajectoryGenerator(WholeArmNode):
 
     def end(self, status: int, reason: str) -> None:
         """The active goal's, with its result."""
-        goal = self.goals.move(status, reason)
-        self.goals.publish_status()
+        assert self.goals.active is not None
+        name = goal_name(goal_id_of(self.goals.active.info))
         values = {
-            'reason': reason,
             'stamp': self.progress.get('stamp', ''),
             'progress': self.progress.get('progress', ''),
             'duration': self.executed.duration if self.executed else '',
             **({} if self.claimed is None else told_values(self.claimed)),
         }
-        name = NAMES[status]
-        self.goals.publish_result(
-            OK if status == SUCCEEDED else WARN,
-            f'{name}: {reason}',
-            goal_id_of(goal.info),
-            name,
-            values,
-        )
-        self.get_logger().info(f'goal {goal_name(goal_id_of(goal.info))[:8]} {name}: {reason}')
+        ended = self.goals.end(status, reason, values)
+        self.get_logger().info(f'goal {name[:8]} {ended}')
 
     def health(self) -> Health:
         """The newest plan, and the active goal's status."""

@@ -1,17 +1,27 @@
 """Certification: a chosen candidate is run on fresh samples and given a certificate when the bound
-of its success rate is good enough.
+of its success rate is good enough. Several turns in a row are run one after the other.
 """
+
+from collections.abc import Sequence
 
 from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.certificate import Certificate, certificate, lower_bound
+from wholearm_ros.model.configuration import X
+from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.evaluation import Candidate
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.stopwatch import VERIFY, Stopwatch
-from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
+from wholearm_ros.rollout.perturbed_samples import (
+    PerturbedSample,
+    build_perturbed_samples,
+    moved_sample,
+)
 from wholearm_ros.rollout.verification import Rollout, parallel_rollouts
+from wholearm_ros.trajectory.main_trajectory import generate
 
 STREAM = 59  # of the random numbers: apart from those of the samples that candidates are chosen on
+IN_A_ROW = 61  # likewise, of several turns
 
 
 class Certification:
@@ -55,6 +65,7 @@ class Certification:
             r.certificate_samples,
             r.certificate_level,
             (r.seed, STREAM, self.refused),
+            r.hand_errors,
             r.start_x_error,
         )[1:]
         for rollout in parallel_rollouts(candidate.trajectory, samples, self.controls):
@@ -64,3 +75,28 @@ class Certification:
             if lower_bound(r.certificate_samples, possible) < r.min_success or self.watch.over():
                 break
         return certificate(r.certificate_level, done, survived)
+
+
+def certify_in_a_row(
+    turns: Sequence[ContactPlan],
+    request: PlanRequest,
+    controls: ControlOptions = ControlOptions(),
+) -> Certificate | None:
+    """Of turns each of which begins where the one before ends: every fresh sample is the same hand
+    and object in all of them, set between the fingers anew where it has come to rest. None when no
+    certificates are asked for.
+    """
+    count, level = request.certificate_samples, request.certificate_level
+    if not count:
+        return None
+    samples: Sequence[PerturbedSample] = build_perturbed_samples(
+        turns[0].scenario, count, level, (request.seed, IN_A_ROW), request.hand_errors
+    )[1:]
+    ends: list[float] = []
+    for number, turn in enumerate(turns):
+        if number:
+            samples = [moved_sample(turn.scenario, s, x) for s, x in zip(samples, ends)]
+        done = list(parallel_rollouts(generate(turn.scenario, turn), samples, controls))
+        samples = [s for s, rollout in zip(samples, done) if rollout.success]
+        ends = [float(r.configurations[-1, X]) for r in done if r.success]
+    return certificate(level, count, len(samples))

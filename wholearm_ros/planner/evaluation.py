@@ -132,7 +132,9 @@ class Evaluation:
 
     def _samples_of(self, scenario: Scenario) -> tuple[PerturbedSample, ...]:
         r = self.request
-        return build_perturbed_samples(scenario, r.samples, r.level, r.seed, r.start_x_error)
+        return build_perturbed_samples(
+            scenario, r.samples, r.level, r.seed, r.hand_errors, r.start_x_error
+        )
 
     def _verify(self, trajectory: ManipulationTrajectory) -> Verification:
         """Roll out on all samples, the nominal one first, then those on which most candidates

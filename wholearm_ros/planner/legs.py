@@ -1,80 +1,146 @@
-"""The next leg of a way to a face: of the object's map where it knows one, else planned anew."""
+"""The next leg of a way to a face: of the object's map where it knows one, else planned anew; with
+the turns that are meant to follow it.
+"""
 
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
-from wholearm_ros.planner.face_map import Way
-from wholearm_ros.planner.map_making import next_face
+from wholearm_ros.planner.certification import certify_in_a_row
+from wholearm_ros.planner.face_map import FaceMap, Way
+from wholearm_ros.planner.map_making import MapOptions, make_way, next_face
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.planner import Progress, plan_and_verify
 from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.trajectory.main_trajectory import generate
 
+REACH = 0.002  # [m] how far from where one turn ends, as planned, the next one may begin
+
 
 @dataclass(frozen=True, eq=False)
 class Leg:
     """trajectory: to the goal of `scenario`, which is a plan's own; stop: that goal when it is only
-    a stop on the way, else None.
+    a stop on the way, else None; plan: with the turns that are meant to follow.
     """
 
     trajectory: ManipulationTrajectory
     scenario: Scenario
     stop: GoalOnEdge | None = None
+    plan: ContactPlan | None = None
 
 
 class LegPlanner:
-    """Plans leg after leg of one object in one hand, and remembers how those of its map went.
+    """Plans leg after leg of one object in one hand, and remembers the turns that were found on the
+    way to another face, and how those that were executed went.
 
     maps: of the object, None for no map.
     """
 
     def __init__(self, request: PlanRequest, maps: MapStore | None = None) -> None:
         self.request, self.maps = request, maps
-        self._runs: dict[str, tuple[int, int]] = {}
+        self._runs: dict[str, tuple[int, int]] = {}  # by a turn's plan id
+        self._turn_of: dict[str, str] = {}  # by the id of an answer of several turns
+        self._found: tuple[Way, ...] = ()
 
     def plan(self, scenario: Scenario, progress: Progress = lambda line: None) -> PlanResult:
-        """A plan to the goal, or to a stop on the way to it; `stop_of` says which.
+        """A plan to the goal; or one to a stop on the way to it (`stop_of`), with the turns that
+        follow and the certificate of all of them in a row.
 
         Only a goal without a direction may be reached by way of stops. Raises as `plan_and_verify`
         does.
         """
-        any_way = isinstance(scenario.goal, GoalOnEdge) and scenario.goal.direction is None
-        way = self._known_way(scenario) if any_way else None
-        if way is not None:
-            return PlanResult(way.plan, generate(way.plan.scenario, way.plan), {})
-        began = time.monotonic()
+        if not isinstance(scenario.goal, GoalOnEdge) or scenario.goal.direction is not None:
+            return plan_and_verify(scenario, self.request, progress=progress)
+        known = self._known_route(scenario)
+        if known:
+            return self._answer(known)
+        ends = time.monotonic() + self.request.time_budget
         result = plan_and_verify(scenario, self.request, progress=progress)
-        if result.trajectory is not None or not any_way:
+        if result.trajectory is not None:
             return result
-        for detour in _detours(scenario):
-            left = self.request.time_budget - (time.monotonic() - began)
-            if left <= 0.0:
-                break
-            progress('by way of another edge')
-            request = replace(self.request, time_budget=left)
-            found = plan_and_verify(detour, request, progress=progress)
-            if found.trajectory is not None:
-                return found
-        return result
+        reached: list[int] = []
+        route = self._by_way_of_others(scenario, ends, progress, reached)
+        if route:
+            self._found += route
+            return self._answer(route)
+        return _with_nearest(result, reached)
+
+    def remember(self, plan: ContactPlan) -> None:
+        """The turns of a plan of several, so that the later ones are not planned again."""
+        turns = (plan.turn, *plan.then)
+        self._found += tuple(
+            Way(turn.scenario.start, REACH, turn.scenario.goal, end, turn)
+            for turn, end in zip(turns, (*(t.scenario.start for t in turns[1:]), _end(turns[-1])))
+            if isinstance(turn.scenario.start, StartOnEdge)
+            and isinstance(turn.scenario.goal, GoalOnEdge)
+            and isinstance(end, StartOnEdge)
+        )
 
     def happened(self, plan_id: str, success: bool) -> None:
         """A plan was executed, and what was felt at its end was its goal, or was not."""
-        succeeded, failed = self._runs.get(plan_id, (0, 0))
-        self._runs[plan_id] = (succeeded + success, failed + (not success))
+        turn = self._turn_of.get(plan_id, plan_id)
+        succeeded, failed = self._runs.get(turn, (0, 0))
+        self._runs[turn] = (succeeded + success, failed + (not success))
 
-    def _known_way(self, scenario: Scenario) -> Way | None:
-        """The first way of the surest route on the map to another face."""
+    def _answer(self, route: tuple[Way, ...]) -> PlanResult:
+        plan = route[0].plan
+        if len(route) > 1:
+            turns = tuple(way.plan for way in route)
+            plan = replace(plan, then=turns[1:], overall=certify_in_a_row(turns, self.request))
+            self._turn_of[plan.id] = route[0].plan.id
+        return PlanResult(plan, generate(plan.scenario, plan), {})
+
+    def _known_route(self, scenario: Scenario) -> tuple[Way, ...]:
+        """The surest one to another face, of the map and of what was found before."""
         start, goal = scenario.start, scenario.goal
-        if self.maps is None or not isinstance(start, StartOnEdge):
+        if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
+            return ()
+        if start.edge == goal.edge:
+            return ()
+        known = self.maps.load() if self.maps else FaceMap(scenario.object.polygon.resting_edges)
+        known = replace(known, ways=(*known.ways, *self._found))
+        return known.after(self._runs).route(start, goal)
+
+    def _by_way_of_others(
+        self, scenario: Scenario, ends: float, progress: Progress, reached: list[int]
+    ) -> tuple[Way, ...]:
+        """From face to face in either direction, until the goal can be reached from one; () when
+        it cannot, or when the time `ends`. The faces on the way go into `reached`.
+        """
+        start, goal, polygon = scenario.start, scenario.goal, scenario.object.polygon
+        if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
+            return ()
+        for direction in (CCW, CW):
+            route: tuple[Way, ...] = ()
+            place, face = start, next_face(polygon, start.edge, direction)
+            while face not in (None, goal.edge, start.edge):
+                assert face is not None
+                progress(f'by way of edge {face}')
+                way = self._way(scenario, place, GoalOnEdge(face, direction), ends)
+                if way is None:
+                    break
+                route, place = (*route, way), way.end
+                reached.append(face)
+                last = self._way(scenario, place, goal, ends)
+                if last is not None:
+                    return (*route, last)
+                face = next_face(polygon, face, direction)
+        return ()
+
+    def _way(
+        self, scenario: Scenario, place: StartOnEdge, goal: GoalOnEdge, ends: float
+    ) -> Way | None:
+        """One turn, from exactly the start of the scenario or from about where another one ends."""
+        left = ends - time.monotonic()
+        if left <= 0.0:
             return None
-        if not isinstance(goal, GoalOnEdge) or start.edge == goal.edge:
-            return None
-        face_map = self.maps.load().after(self._runs)
-        return next(iter(face_map.route(start, goal)), None)
+        reach = 0.0 if place is scenario.start else REACH
+        options = MapOptions(replace(self.request, time_budget=left), reach=reach)
+        made = make_way(replace(scenario, start=place, goal=goal), options)
+        return made if isinstance(made, Way) else None
 
 
 def leg_of(asked: Scenario, result: PlanResult) -> Leg | None:
@@ -82,15 +148,27 @@ def leg_of(asked: Scenario, result: PlanResult) -> Leg | None:
     if result.trajectory is None:
         return None
     planned = result.plan.scenario
-    return Leg(result.trajectory, planned, stop_of(asked, planned))
+    return Leg(result.trajectory, planned, stop_of(asked, planned), result.plan)
 
 
-def _detours(scenario: Scenario) -> Iterator[Scenario]:
-    """The next faces either way, where they are not the goal."""
-    start, goal, polygon = scenario.start, scenario.goal, scenario.object.polygon
-    if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
-        return
-    for direction in (CCW, CW):
-        face = next_face(polygon, start.edge, direction)
-        if face is not None and face not in (goal.edge, start.edge):
-            yield replace(scenario, goal=GoalOnEdge(face, direction))
+def whole_task(plan: ContactPlan) -> Scenario:
+    """The scenario of a plan, with the goal of the last of its turns."""
+    goals = [turn.scenario.goal for turn in plan.then]
+    return replace(plan.scenario, goal=goals[-1]) if goals else plan.scenario
+
+
+def _end(plan: ContactPlan) -> StartOnEdge | None:
+    """Where a plan lays the object."""
+    goal = plan.scenario.goal
+    if not isinstance(goal, GoalOnEdge) or not plan.legs:
+        return None
+    return StartOnEdge(goal.edge, float(plan.legs[-1].configurations[-1, 0]))
+
+
+def _with_nearest(result: PlanResult, reached: list[int]) -> PlanResult:
+    """The refusal, and which faces on the way can be reached."""
+    if not reached:
+        return result
+    faces = ', '.join(str(face) for face in dict.fromkeys(reached))
+    reason = f'{result.plan.reason}; of the faces on the way these can be reached: {faces}'
+    return replace(result, plan=replace(result.plan, reason=reason))

@@ -103,7 +103,7 @@ def make_way(scenario: Scenario, options: MapOptions) -> Way | Refused:
     start, goal = scenario.start, scenario.goal
     assert isinstance(start, StartOnEdge) and isinstance(goal, GoalOnEdge)
     request = replace(options.request, start_x_error=options.reach)
-    if goal.direction is None:
+    if goal.edge == start.edge:
         request = replace(request, moves=0)
     result = plan_and_verify(scenario, request)
     if result.trajectory is None or result.verification is None:

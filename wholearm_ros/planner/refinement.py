@@ -67,11 +67,9 @@ def _by_stress(
 
 def _stress_samples(evaluation: Evaluation) -> list[PerturbedSample]:
     """Samples more strongly perturbed than those of `evaluation`."""
-    r = evaluation.request
-    return [
-        sample
+    r, scenario = evaluation.request, evaluation.scenario
+    stressed = (
+        build_perturbed_samples(scenario, r.stress_samples, level, r.seed, r.hand_errors)
         for level in r.stress_levels
-        for sample in build_perturbed_samples(evaluation.scenario, r.stress_samples, level, r.seed)[
-            1:
-        ]
-    ]
+    )
+    return [sample for samples in stressed for sample in samples[1:]]

@@ -31,6 +31,7 @@ class PlanRequest:
     certified, 0 for no certificate; min_success: least lower bound of its success rate with which
     it is given; certifications: candidates that may be refused before the search gives up.
 
+    hand_errors: level of the errors of the hand (see HandErrors) in all these samples;
     start_x_error: how far from the told x [m] on its edge the object may lie at the start, in the
     perturbed samples and in those of the certificate.
     """
@@ -54,6 +55,7 @@ class PlanRequest:
     certificate_level: float = 1.0
     min_success: float = 0.8
     certifications: int = 3
+    hand_errors: float = 0.0
     start_x_error: float = 0.0
 
 

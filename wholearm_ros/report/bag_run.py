@@ -15,7 +15,7 @@ from wholearm_ros.errors import BagError
 from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.model.modes import DONE, PLANNED_MODES, STOPPED
 from wholearm_ros.model.orientation import start_rotation
-from wholearm_ros.model.outcomes import SUCCEEDED
+from wholearm_ros.model.outcomes import REJECTED, SUCCEEDED
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
@@ -133,9 +133,11 @@ def _trajectory(heard: dict[str, Timed], began: int) -> ManipulationTrajectory:
 
 def _motions(heard: dict[str, Timed]) -> tuple[dict[str, Any], ...]:
     """Of the last goal of the supervisor; none when what it says cannot be read."""
-    said = heard['reorientation/result'] or heard['reorientation/feedback']
+    results = [values_of(message) for _, message in heard['reorientation/result']]
+    said = [values for values in results if values.get('outcome') != REJECTED]
+    said = said or [values_of(message) for _, message in heard['reorientation/feedback'][-1:]]
     try:
-        told = json.loads(values_of(said[-1][1]).get('tries') or '[]') if said else []
+        told = json.loads(said[-1].get('tries') or '[]') if said else []
     except ValueError:
         return ()
     return tuple(one for one in told if isinstance(one, dict)) if isinstance(told, list) else ()

@@ -60,15 +60,17 @@ def build_perturbed_samples(
     count: int,
     level: float,
     seed: Union[int, Sequence[int]],
+    hand_errors: float = 0.0,
     start_x_error: float = 0.0,
 ) -> tuple[PerturbedSample, ...]:
     """The nominal sample, and `count` perturbed ones at `level` (see Perturbation), always the
     same for a seed.
 
-    start_x_error: [m] by which the perturbed ones, on their edge, lie elsewhere than told.
+    hand_errors: level of the HandErrors; start_x_error: [m] by which the perturbed ones, on their
+    edge, lie elsewhere than told besides.
     """
     rng = np.random.default_rng(seed)
-    drawn = [draw_perturbation(rng, level, scenario) for _ in range(count)]
+    drawn = [draw_perturbation(rng, level, scenario, hand_errors) for _ in range(count)]
     shifts = start_x_error * rng.uniform(-1.0, 1.0, size=count)
     perturbed = (_sample(scenario, p, x) for p, x in zip(drawn, shifts))
     return (_sample(scenario, NOMINAL), *perturbed)
@@ -82,6 +84,13 @@ def _sample(scenario: Scenario, perturbation: Perturbation, shift: float = 0.0) 
     return PerturbedSample(
         world, perturbed_start(scenario, truth, world), goal_region(truth), perturbation
     )
+
+
+def moved_sample(scenario: Scenario, sample: PerturbedSample, x: float) -> PerturbedSample:
+    """The same hand and object at the start of `scenario`, but at x [m], where they truly are."""
+    start, p = scenario.start, sample.perturbation
+    assert isinstance(start, StartOnEdge)
+    return _sample(scenario, p, x - start.x - p.hand.start_x)
 
 
 def start_at_rest(sample: PerturbedSample) -> Start:
@@ -139,4 +148,5 @@ def _plant(p: Perturbation, readings: int) -> Plant:
     if p.encoder_noise or p.velocity_noise:
         noise = np.random.default_rng(p.noise_seed).standard_normal((readings, 2, 2))
         noise *= np.array([p.encoder_noise, p.velocity_noise])[:, None]
-    return Plant(p.friction, p.torque_factors, int(round(p.actuation_delay / STEP)), noise)
+    delay = int(round(p.actuation_delay / STEP))
+    return Plant(p.friction, p.torque_factors, delay, p.hand.encoder_zeros, noise)

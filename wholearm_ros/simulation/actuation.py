@@ -57,7 +57,7 @@ class Drives:
 
 
 class Encoders:
-    """Readings of the joints: the truth and white noise, drawn once a step.
+    """Readings of the joints: the truth, errors of the zeros, and white noise drawn once a step.
 
     The noise is drawn from the perturbation's own seed, so a run can be repeated.
     """
@@ -65,7 +65,7 @@ class Encoders:
     def __init__(self, perturbation: Perturbation) -> None:
         self._angle_noise = perturbation.encoder_noise
         self._velocity_noise = perturbation.velocity_noise
-        self._seed = perturbation.noise_seed
+        self._seed, self._zeros = perturbation.noise_seed, perturbation.hand.encoder_zeros
         self.reset()
 
     def reset(self) -> None:
@@ -75,6 +75,9 @@ class Encoders:
     def read(self, angles: np.ndarray, velocities: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(2,) [rad], (2,) [rad/s]: what the encoders say of these true values."""
         if self._angle_noise == 0.0 and self._velocity_noise == 0.0:
-            return angles.copy(), velocities.copy()
+            return angles + self._zeros, velocities.copy()
         noise = self._rng.standard_normal((2, 2))
-        return angles + self._angle_noise * noise[0], velocities + self._velocity_noise * noise[1]
+        return (
+            angles + self._zeros + self._angle_noise * noise[0],
+            velocities + self._velocity_noise * noise[1],
+        )

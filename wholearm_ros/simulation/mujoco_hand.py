@@ -136,14 +136,15 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
     return f"""
 <mujoco model="wholearm">
   <compiler angle="radian"/>
-  <option timestep="{dt}" gravity="0 {-scenario.gravity.in_plane} 0" integrator="Euler"
+  <option timestep="{dt}" gravity="{_numbers([scenario.gravity.pull])} 0" integrator="Euler"
           cone="elliptic" impratio="{FRICTION_IMPEDANCE}"
           solver="Newton" jacobian="dense" iterations="100" tolerance="1e-12">
     <flag multiccd="disable"/>
   </option>
   <default>
     <geom contype="0" conaffinity="0"/>
-    <joint solreflimit="{solref}" solimplimit="{solimp}"/>
+    <joint solreflimit="{solref}" solimplimit="{solimp}"
+           solreffriction="{solref}" solimpfriction="{solimp}"/>
     <pair condim="{3 if friction else 1}" friction="{friction} {friction} 0 0 0"
           solref="{solref}" solreffriction="{FRICTION_TIME_CONSTANT} 1" solimp="{solimp}"/>
   </default>
@@ -184,7 +185,8 @@ def _finger(name: str, finger: Finger) -> str:
     about_centre = finger.inertia - finger.mass * half**2
     return f"""
     <body name="{name}" pos="{_numbers([[*finger.axis, 0.0]])}">
-      <joint type="hinge" axis="0 0 1" limited="true" range="{_numbers([finger.angle_limits])}"/>
+      <joint type="hinge" axis="0 0 1" limited="true" range="{_numbers([finger.angle_limits])}"
+             frictionloss="{finger.joint_friction}"/>
       <inertial pos="{half} 0 0" mass="{finger.mass}"
                 diaginertia="{_numbers([[about_centre] * 3])}"/>
       <geom name="{name}_box0" type="box" pos="{half} 0 0"

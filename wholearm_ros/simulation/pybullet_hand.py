@@ -165,7 +165,8 @@ class PyBulletHand:
         return np.array([left[0], right[0]]), np.array([left[1], right[1]])
 
     def _engine(self, dt: float) -> None:
-        self._bullet.setGravity(0.0, 0.0, -self.scenario.gravity.in_plane * SCALE)
+        x, y = self.scenario.gravity.pull * SCALE
+        self._bullet.setGravity(x, 0.0, y)
         self._bullet.setPhysicsEngineParameter(
             fixedTimeStep=dt,
             numSolverIterations=ITERATIONS,
@@ -255,8 +256,10 @@ class PyBulletHand:
                 self._bullet.changeDynamics(body, link, lateralFriction=own, **laws)
                 self._bullet.setCollisionFilterGroupMask(body, link, *groups)
                 if link >= 0:
-                    kind = pybullet.VELOCITY_CONTROL
-                    self._bullet.setJointMotorControl2(body, link, kind, force=0.0)
+                    kind, force = pybullet.VELOCITY_CONTROL, 0.0  # a motor that brakes is friction
+                    if body == self._fingers:
+                        force = self.scenario.hand[link].joint_friction * SCALE**2
+                    self._bullet.setJointMotorControl2(body, link, kind, force=force)
 
 
 def _connected(view: bool) -> _World:

@@ -65,7 +65,7 @@ def drawn_perturbation(
 ) -> Perturbation:
     """Perturbation number `draw` of the task `name`, the scenario's by default."""
     rng = perturbation_rng(options, name or scenario.name, draw)
-    return draw_perturbation(rng, options.perturb, scenario)
+    return draw_perturbation(rng, options.perturb, scenario, options.hand_errors)
 
 
 def _of_jury(scenario: Scenario, verdict: Verdict, perturbation: Perturbation) -> JudgedRun:

@@ -24,6 +24,7 @@ def suite_document(
         'suite': file,
         'seed': options.seed,
         'perturb': options.perturb,
+        'hand_errors': options.hand_errors,
         'draws': options.draws,
         'search': options.request.search,
         'transition': options.request.transition,

@@ -14,7 +14,8 @@ class SuiteOptions:
     request: how every task is planned; perturb: level of the perturbations, 0 for none; draws:
     perturbed runs of each plan; backend (or JURY) and loop: of the simulated hand; attempts:
     trajectories at most in each run; probe: whether the end of each is felt; the jury does neither;
-    maps: whether goals without a direction are looked up in the object's map, if one was made.
+    maps: whether goals without a direction are looked up in the object's map, if one was made;
+    hand_errors: level of the errors of the hand, 0 for none.
     """
 
     request: PlanRequest = PlanRequest()
@@ -25,6 +26,12 @@ class SuiteOptions:
     attempts: int = 1
     probe: bool = True
     maps: bool = True
+    hand_errors: float = 0.0
+
+    @property
+    def perturbed(self) -> bool:
+        """Whether the true hand or object is another one than planned with."""
+        return self.perturb > 0.0 or self.hand_errors > 0.0
 
     @property
     def seed(self) -> int:

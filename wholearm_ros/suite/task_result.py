@@ -64,7 +64,7 @@ def _planned_and_executed(task: SuiteEntry, options: SuiteOptions) -> Result:
         first = leg_of(scenario, answer)
         result |= _of_plan(answer.plan, answer.trajectory)
         result |= {name: _number(answer.timings.get(name)) for name in TIMES}
-    count = options.draws if options.perturb else 1
+    count = options.draws if options.perturbed else 1
     if faces:
         told = [run_sequence(scenario, faces, first, options, k, task.name) for k in range(count)]
         executed = all(draw['executed'] for draw in told)
@@ -74,7 +74,7 @@ def _planned_and_executed(task: SuiteEntry, options: SuiteOptions) -> Result:
     runs = [execute(scenario, first, options, draw, task.name) for draw in range(count)]
     if scenario.to_be_felt:
         result['planned'] = any(run.attempts and run.attempts.attempts for run in runs)
-    draws = [_of_draw(run, options.perturb > 0) for run in runs]
+    draws = [_of_draw(run, options.perturbed) for run in runs]
     return {
         **result,
         'executed': all(run.judged.executed for run in runs),

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from wholearm_ros.model.outcomes import SUCCEEDED
+from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.report.bag_run import RecordedRuns, Told
 from wholearm_ros.report.html.page import asset, page
 from wholearm_ros.report.html.run_page import run_page
@@ -33,13 +34,19 @@ def _choices(recorded: RecordedRuns) -> list[str]:
     """A button a motion, in order. The last runs of the bag are the motions that had a plan."""
     planned = sum(bool(motion.get('planned')) for motion in recorded.motions)
     place = len(recorded.runs) - planned
-    choices = [_choice(k, f'run {k + 1}', '') for k in range(place)]
+    choices = [_choice(k, _before(k, recorded.runs[k]), '') for k in range(place)]
     for number, motion in enumerate(recorded.motions, 1):
         has_run = bool(motion.get('planned'))
         shown = place if has_run and place >= 0 else None
         choices.append(_choice(shown, f'{number}. {_aim(motion)}', _said(motion)))
         place += has_run
     return choices
+
+
+def _before(place: int, told: Told) -> str:
+    """The run of an earlier goal."""
+    goal = told[0].scenario.goal
+    return f'run {place + 1}' + (f': to edge {goal.edge}' if isinstance(goal, GoalOnEdge) else '')
 
 
 def _choice(place: int | None, title: str, said: str) -> str:
@@ -84,5 +91,6 @@ def _verdict(recorded: RecordedRuns) -> str:
     last = recorded.motions[-1]
     good = last.get('outcome') == SUCCEEDED
     attempts = sum(bool(motion.get('planned')) for motion in recorded.motions)
+    count = f'{attempts} attempt' + ('' if attempts == 1 else 's')
     kind, said = ('good', 'felt at the goal') if good else ('bad', 'not at the goal')
-    return f'<p class="verdict {kind}">{said} after {attempts} attempts</p>'
+    return f'<p class="verdict {kind}">{said} after {count}</p>'

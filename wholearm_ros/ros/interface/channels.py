@@ -28,7 +28,9 @@ def _qos(depth: int, reliable: bool = True, latched: bool = False) -> QoSProfile
     )
 
 
+REMEMBERED = 10  # ended goals in a status, and their results
 RELIABLE, LATCHED, BEST_EFFORT = _qos(10), _qos(1, latched=True), _qos(5, reliable=False)
+RESULTS = _qos(REMEMBERED, latched=True)  # a rejection does not replace the result before it
 NEWEST = _qos(1)  # setpoints and commands: only the newest counts
 # How the nodes of the loop listen to joint states, setpoints and commands.
 NO_RESENDING = _qos(10, reliable=False)
@@ -62,7 +64,7 @@ GOAL = Topic('trajectory_generator/goal', GoalInfo, RELIABLE)
 CANCEL = Topic('trajectory_generator/cancel', GoalInfo, RELIABLE)
 GOAL_STATUS = Topic('trajectory_generator/status', GoalStatusArray, LATCHED)
 FEEDBACK = Topic('trajectory_generator/feedback', DiagnosticStatus, RELIABLE)
-RESULT = Topic('trajectory_generator/result', DiagnosticStatus, LATCHED)
+RESULT = Topic('trajectory_generator/result', DiagnosticStatus, RESULTS)
 JOINT_TRAJECTORY = Topic('trajectory_generator/joint_trajectory', JointTrajectory, LATCHED)
 MANIPULATION_TRAJECTORY = Topic('trajectory_generator/manipulation_trajectory', String, LATCHED)
 
@@ -70,7 +72,7 @@ REORIENTATION_GOAL = Topic('reorientation/goal', GoalInfo, RELIABLE)
 REORIENTATION_CANCEL = Topic('reorientation/cancel', GoalInfo, RELIABLE)
 REORIENTATION_STATUS = Topic('reorientation/status', GoalStatusArray, LATCHED)
 REORIENTATION_FEEDBACK = Topic('reorientation/feedback', DiagnosticStatus, RELIABLE)
-REORIENTATION_RESULT = Topic('reorientation/result', DiagnosticStatus, LATCHED)
+REORIENTATION_RESULT = Topic('reorientation/result', DiagnosticStatus, RESULTS)
 
 MODE = Topic('mode_switcher/mode', String, LATCHED)
 PROGRESS = Topic('mode_switcher/progress', DiagnosticStatus, RELIABLE)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from action_msgs.msg import GoalInfo, GoalStatus
 
 from wholearm_ros.model import outcomes
+from wholearm_ros.ros.interface.channels import REMEMBERED
 
 ACCEPTED, EXECUTING, CANCELING = (
     GoalStatus.STATUS_ACCEPTED,
@@ -25,15 +26,17 @@ NAMES = {
     ABORTED: outcomes.ABORTED,
 }
 ACTIVE = (ACCEPTED, EXECUTING, CANCELING)
-REMEMBERED = 10  # ended goals in the status
 
 
 @dataclass(frozen=True)
 class Goal:
-    """info: id and time of acceptance; status: one of the above; reason: why it ended."""
+    """info: id and time of acceptance; status: one of the above; requested [ns]: stamp of its
+    request; reason: why it ended.
+    """
 
     info: GoalInfo
     status: int
+    requested: int
     reason: str = ''
 
     @property
@@ -53,9 +56,9 @@ class Goals:
         self.ended: list[Goal] = []
         self.active: Goal | None = None
 
-    def accept(self, info: GoalInfo) -> None:
-        """`info` becomes the active goal."""
-        self.active = Goal(info, ACCEPTED)
+    def accept(self, info: GoalInfo, requested: int) -> None:
+        """`info` becomes the active goal; requested [ns]: stamp of its request."""
+        self.active = Goal(info, ACCEPTED, requested)
 
     def move(self, status: int, reason: str = '') -> Goal:
         """The active goal, which must exist, to `status`; an ended one is remembered."""

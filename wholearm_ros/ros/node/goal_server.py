@@ -4,8 +4,9 @@ from typing import Any
 
 from action_msgs.msg import GoalInfo
 
+from wholearm_ros.model.outcomes import REJECTED
 from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.goals import CANCELING, NAMES, Goals
+from wholearm_ros.ros.interface.goals import CANCELING, NAMES, SUCCEEDED, Goals
 from wholearm_ros.ros.interface.messages import (
     NO_GOAL,
     goal_id_of,
@@ -60,16 +61,27 @@ class GoalServer(Goals):
         told = {'goal_id': goal_name(goal_id_of(self.active.info)), **values}
         self._feedback.publish(status_message(self._name, OK, NAMES[self.active.status], told))
 
-    def publish_result(
-        self, level: bytes, message: str, goal: bytes, outcome: str, values: dict[str, Any]
-    ) -> None:
-        """Of a goal that has ended, or was rejected."""
-        told = {'goal_id': goal_name(goal), 'outcome': outcome, **values}
-        self._result.publish(status_message(self._name, level, message, told))
+    def end(self, status: int, reason: str, values: dict[str, Any]) -> str:
+        """The active goal's, which must exist, with its result; the line that says so."""
+        goal = self.move(status, reason)
+        self.publish_status()
+        message = f'{NAMES[status]}: {reason}'
+        level = OK if status == SUCCEEDED else WARN
+        told = {'outcome': NAMES[status], 'reason': reason, **values}
+        self._publish_result(level, message, goal_id_of(goal.info), goal.requested, told)
+        return message
 
     def reject(self, request: GoalInfo, reason: str) -> None:
-        """The stamp of the request tells its client that it is meant: others may have sent the
-        same goal.
+        """Told to its client; the active goal and its result stay."""
+        told = {'outcome': REJECTED, 'reason': reason}
+        requested = to_nanoseconds(request.stamp)
+        self._publish_result(WARN, f'{REJECTED}: {reason}', goal_id_of(request), requested, told)
+
+    def _publish_result(
+        self, level: bytes, message: str, goal: bytes, requested: int, values: dict[str, Any]
+    ) -> None:
+        """requested [ns]: stamp of the request, which tells its client that it is meant: the same
+        goal may be sent again, and by others.
         """
-        values = {'reason': reason, 'request_stamp': to_nanoseconds(request.stamp)}
-        self.publish_result(WARN, f'rejected: {reason}', goal_id_of(request), 'rejected', values)
+        told = {'goal_id': goal_name(goal), 'request_stamp': requested, **values}
+        self._result.publish(status_message(self._name, level, message, told))
