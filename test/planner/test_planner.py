@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, SHIPPED, SQUARE, with_torque_limits
+from problems import ASYMMETRIC, LEANING, SHIPPED, SQUARE, with_torque_limits
 
 from wholearm_ros.errors import ScenarioError
 from wholearm_ros.model.plan import ContactPlan
@@ -170,3 +170,9 @@ def test_samples_of_certificates_had_no_part_in_the_search():
     chosen = build_perturbed_samples(ASYMMETRIC, 12, 1.0, 0)[1:]
     fresh = build_perturbed_samples(ASYMMETRIC, 59, 1.0, (0, STREAM, 0))[1:]
     assert not {s.world.obj.tobytes() for s in chosen} & {s.world.obj.tobytes() for s in fresh}
+
+
+def test_where_the_first_routes_share_a_poor_way_the_search_goes_on_to_one_without_it():
+    """The first four lose two of twelve samples on the same arc."""
+    plan = plan_and_verify(LEANING).plan
+    assert plan.found and plan.certificate.lower_bound >= 0.9

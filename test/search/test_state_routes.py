@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, PENTAGON, REGULAR, TALL, beliefs
+from problems import ASYMMETRIC, LEANING, PENTAGON, REGULAR, TALL, beliefs
 
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.planning.problem import build_problem
 from wholearm_ros.planning.routes import SearchOptions
 from wholearm_ros.search.arcs import arcs_from, whole_graph
 from wholearm_ros.search.state_routes import StateRoutes
+from wholearm_ros.search.state_tree import REFUSAL_PRICE
 from wholearm_ros.trajectory.main_trajectory import generate
 
 TASKS = [ASYMMETRIC, REGULAR, PENTAGON, TALL]
@@ -64,3 +65,17 @@ def test_arcs_leave_a_state_that_is_only_nearly_closed():
     assert arcs is not None and arcs.prospects[0].margin == pytest.approx(
         there.prospects[0].margin, abs=0.01
     )
+
+
+def test_a_refused_route_defers_what_goes_on_from_its_cell():
+    """Also what is queued afterwards, so that the next route avoids what made the first one fail."""
+    tree = StateRoutes(LEANING, SearchOptions(move_limit=200), beliefs).tree
+    while len(tree.states) < 2:
+        tree.grow()
+    done: list[str] = []
+    tree.refuse(1)
+    tree.push(1, -1.0, lambda: done.append('from the refused state'))
+    tree.push(0, -1.0 + 0.5 * REFUSAL_PRICE, lambda: done.append('from the start'))
+    for _ in range(2):
+        tree.grow()
+    assert done == ['from the start', 'from the refused state']

@@ -77,7 +77,10 @@ class ArcWays:
         if caged:
             legs, numbers, node = legs[:-1], numbers[:-1], None
         goal = edge.end is None and not caged
-        key = (state.arcs, edge.key, k, finger) if goal else (state.arcs, node, caged and edge.key)
+        end = legs[-1].configurations[-1]
+        key: object = (k, edge.key, finger) if goal else self.tree.key(state.arcs, node, end)
+        if caged:
+            key = 'release', key
         if self.tree.known(key, state.belief.loss):
             return None
         action = {} if finger == AUTO else {'velocity_finger': finger}

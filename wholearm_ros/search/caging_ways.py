@@ -48,9 +48,7 @@ class CagingWays:
         state, end = self.tree.states[k], leg.configurations[-1]
         edge, goal = state.descent, self.tree.problem.reached(end[POSE])
         node = edge.end if edge else None
-        key: object = self.tree.cell(end) if node is None else (state.arcs, node, False)
-        if goal:
-            key = (k, *leg.action.values())
+        key = (k, *leg.action.values()) if goal else self.tree.key(state.arcs, node, end)
         if self.tree.known(key, state.belief.loss):
             return None
         way = way_along(self.tree.problem.world, state.rest, [leg])

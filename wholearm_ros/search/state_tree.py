@@ -76,7 +76,8 @@ class StateTree:
         self.openers: tuple[Callable[[int], None], ...] = ()
         self._queue: list[tuple[float, int, _Attempt]] = []
         self._pushed = 0
-        self._refusals: Counter[int] = Counter()  # by place, of routes that failed on the way to it
+        # by cell, of routes that failed on the way to it
+        self._refusals: Counter[tuple[int, ...]] = Counter()
         self._losses: dict[object, float] = {self.cell(problem.start): 0.0}
 
     @property
@@ -96,11 +97,12 @@ class StateTree:
 
     def push(self, k: int, price: float, work: Callable[[], int | None]) -> None:
         """Queue something from state k on that gives the place of a new state, or None."""
-        self._push(price, _Attempt(k, work, self._refused(k)))
+        refused = self._refused(k)
+        self._push(price + REFUSAL_PRICE * refused, _Attempt(k, work, refused))
 
     def refuse(self, k: int) -> None:
-        """A route failed on the way to state k: what goes on from there is tried later."""
-        self._refusals[k] += 1
+        """A route failed on the way to state k: what goes on from its cell is tried later."""
+        self._refusals[self.cell(self.states[k].rest.q)] += 1
 
     def grow(self) -> int | None:
         """Do what is most promising; the place of a new state, or None when it came to nothing."""
@@ -117,15 +119,23 @@ class StateTree:
         heapq.heappush(self._queue, (price, self._pushed, attempt))
 
     def _refused(self, k: int) -> int:
-        """How many routes failed on the way to state k."""
-        return sum(self._refusals[place] for place in self.places_to(k)) if self._refusals else 0
+        """How many routes failed on the way to the cells of state k and of those before it."""
+        if not self._refusals:
+            return 0
+        return sum(self._refusals[self.cell(self.states[p].rest.q)] for p in self.places_to(k))
 
     def price_at(self, k: int, q: np.ndarray) -> float:
         """Of what leads from state k to q (5,)."""
         return self.states[k].paid + max(0.0, self.problem.rotation_left(q))
 
+    def key(self, arcs: Arcs | None, node: int | None, q: np.ndarray) -> object:
+        """What names a state at q (5,): its place in the first graph of arcs, else its cell, since
+        later graphs hold the same contact states over and over.
+        """
+        return (arcs, node) if node is not None and arcs is self.states[0].arcs else self.cell(q)
+
     def known(self, key: object, loss: float) -> bool:
-        """Whether a state with that key, a cell or a node, has lost as little."""
+        """Whether a state with that key has lost as little."""
         return self._losses.get(key, np.inf) <= loss
 
     def execute(self, planned: State, key: object) -> int | None:
