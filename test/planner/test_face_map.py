@@ -116,25 +116,33 @@ ARCS_ONLY = PlanRequest(moves=0, certificate_samples=20, min_success=0.5)
 
 
 @pytest.fixture(scope='module')
-def of_two_turns():
-    """A plan to a face that arcs reach by way of another one only."""
-    return LegPlanner(ARCS_ONLY).plan(
-        replace(load_scenario('regular_hexagon'), goal=GoalOnEdge(2))
+def of_two_turns(tmp_path_factory):
+    """A plan to a face by way of another one, of a map that knows no way to it at once."""
+    store, start, options = (
+        MapStore(SCENARIO, tmp_path_factory.mktemp('map')),
+        SCENARIO.start,
+        MapOptions(ARCS_ONLY),
     )
+    for edge in (5, 4):
+        turn = replace(SCENARIO, start=start, goal=GoalOnEdge(edge, CCW))
+        made = make_way(turn, options)
+        store.save(turn, made)
+        start, options = made.end, replace(options, reach=REACH)
+    return LegPlanner(ARCS_ONLY, store).plan(replace(SCENARIO, goal=GoalOnEdge(4)))
 
 
 def test_a_plan_of_several_turns_is_one_document_and_is_certified_in_a_row(of_two_turns):
     plan, (second,) = of_two_turns.plan, of_two_turns.plan.then
     assert (plan.scenario.goal.edge, second.scenario.start.edge, second.scenario.goal.edge) == (
-        *(1, 1),
-        2,
+        *(5, 5),
+        4,
     )
     assert plan.overall.samples == 20 and plan.overall.survived <= plan.certificate.survived
     assert abs(second.scenario.start.x - plan.legs[-1].configurations[-1, 0]) < REACH
     assert of_two_turns.trajectory.plan_id == plan.id != plan.turn.id
     read = ContactPlan.from_json(plan.to_json())
     assert read.id == plan.id and read.then[0].id == second.id and read.overall == plan.overall
-    assert whole_task(plan).goal.edge == 2 and whole_task(second) is second.scenario
+    assert whole_task(plan).goal.edge == 4 and whole_task(second) is second.scenario
 
 
 def test_the_turns_of_a_plan_are_executed_one_after_the_other_and_not_planned_again(of_two_turns):
