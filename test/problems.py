@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 
+from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.hand import Finger, Hand, Palm
 from wholearm_ros.model.polygon import Polygon
@@ -19,6 +20,8 @@ from wholearm_ros.model.scenario import (
     StartOnEdge,
 )
 from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.rollout.perturbed_samples import build_perturbed_samples
+from wholearm_ros.search.belief import Samples
 
 CONFIG = Path(__file__).parents[1] / 'config'
 ASYMMETRIC = load_scenario(CONFIG / 'asymmetric_hexagon.yaml')
@@ -173,3 +176,9 @@ def worlds(rng: np.random.Generator, count: int):
         if k % 3 == 2:
             scenario = replace(scenario, palm=BENT_PALM)
         yield scenario, build_world(scenario), random_configuration(rng)
+
+
+def beliefs(problem):
+    """The nominal sample of a problem and three perturbed ones, all of which must arrive."""
+    samples = build_perturbed_samples(problem.scenario, 3, 1.0, 1)
+    return Samples(problem, samples, 1.0, ControlOptions())

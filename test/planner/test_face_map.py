@@ -116,9 +116,19 @@ ARCS_ONLY = PlanRequest(moves=0, certificate_samples=20, min_success=0.5)
 
 
 @pytest.fixture(scope='module')
-def of_two_turns():
-    """A plan to a face that arcs reach by way of another one only."""
-    return LegPlanner(ARCS_ONLY).plan(replace(SCENARIO, goal=GoalOnEdge(4)))
+def of_two_turns(tmp_path_factory):
+    """A plan to a face by way of another one, of a map that knows no way to it at once."""
+    store, start, options = (
+        MapStore(SCENARIO, tmp_path_factory.mktemp('map')),
+        SCENARIO.start,
+        MapOptions(ARCS_ONLY),
+    )
+    for edge in (5, 4):
+        turn = replace(SCENARIO, start=start, goal=GoalOnEdge(edge, CCW))
+        made = make_way(turn, options)
+        store.save(turn, made)
+        start, options = made.end, replace(options, reach=REACH)
+    return LegPlanner(ARCS_ONLY, store).plan(replace(SCENARIO, goal=GoalOnEdge(4)))
 
 
 def test_a_plan_of_several_turns_is_one_document_and_is_certified_in_a_row(of_two_turns):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, SHIPPED, SQUARE, with_torque_limits
+from problems import ASYMMETRIC, LEANING, SHIPPED, SQUARE, with_torque_limits
 
 from wholearm_ros.errors import ScenarioError
 from wholearm_ros.model.plan import ContactPlan
@@ -91,10 +91,10 @@ def test_a_graph_without_a_route_gets_its_own_reason():
 
 
 def test_a_route_that_no_sample_survives_is_not_given():
-    """Samples so wildly perturbed that most must fail: the answer says how many candidates were tried and why they failed."""
+    """Samples so wildly perturbed that most must fail: there are arcs to the goal, but the answer says that none survives."""
     found = plan_and_verify(ASYMMETRIC, PlanRequest(samples=6, level=12.0, candidates=2, moves=0))
     assert found.trajectory is None and found.plan.outcome == 'not_executable'
-    assert 'candidates tried' in found.plan.reason and not found.plan.legs
+    assert 'survives' in found.plan.reason and not found.plan.legs
 
 
 def test_a_start_out_of_reach_is_an_error():
@@ -109,7 +109,7 @@ def test_progress_is_reported():
         PlanRequest(samples=1, candidates=2, moves=0),
         progress=lines.append,
     )
-    assert all('candidates tried' in line for line in lines)
+    assert lines and all('simulations' in line or 'candidates tried' in line for line in lines)
 
 
 def test_a_spent_time_budget_is_its_own_reason():
@@ -128,7 +128,7 @@ def test_a_fault_inside_of_the_tree_is_not_taken_for_its_end(monkeypatch):
     def broken(*_):
         raise IndexError('a bug')
 
-    monkeypatch.setattr('wholearm_ros.planning.primitive_tree.simulate_primitive', broken)
+    monkeypatch.setattr('wholearm_ros.search.primitive_ways.simulate_primitive', broken)
     with pytest.raises(IndexError):
         plan_and_verify(SQUARE, PlanRequest(moves=50))
 
@@ -160,7 +160,7 @@ def test_a_plan_carries_its_certificate(results, name):
 
 def test_a_plan_below_the_least_success_asked_for_is_refused_with_its_bound():
     """59 samples cannot show more than 0.95."""
-    request = PlanRequest(samples=1, moves=0, candidates=4, min_success=0.96, certifications=2)
+    request = PlanRequest(samples=2, moves=0, candidates=4, min_success=0.96, certifications=2)
     found = plan_and_verify(ASYMMETRIC, request)
     assert found.trajectory is None and found.plan.outcome == 'not_executable'
     assert 'success rate at least' in found.plan.reason and 'min_success' in found.plan.reason
@@ -170,3 +170,9 @@ def test_samples_of_certificates_had_no_part_in_the_search():
     chosen = build_perturbed_samples(ASYMMETRIC, 12, 1.0, 0)[1:]
     fresh = build_perturbed_samples(ASYMMETRIC, 59, 1.0, (0, STREAM, 0))[1:]
     assert not {s.world.obj.tobytes() for s in chosen} & {s.world.obj.tobytes() for s in fresh}
+
+
+def test_where_the_first_routes_share_a_poor_way_the_search_goes_on_to_one_without_it():
+    """The first four lose two of twelve samples on the same arc."""
+    plan = plan_and_verify(LEANING).plan
+    assert plan.found and plan.certificate.lower_bound >= 0.9

@@ -4,16 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC
+from problems import ASYMMETRIC, beliefs
 
 from wholearm_ros.model.hand import Hand, Palm
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import Gravity, ManipulatedObject, Scenario, StartOnEdge
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
-from wholearm_ros.planning.primitive_tree import PrimitiveTree
 from wholearm_ros.planning.problem import build_problem
-from wholearm_ros.planning.routes import PrimitiveRoutes, SearchOptions
+from wholearm_ros.planning.routes import SearchOptions
+from wholearm_ros.rollout.primitive_rollout import released, simulate_primitive
+from wholearm_ros.search.primitive_candidates import STYLES, stops_along, sweeps
+from wholearm_ros.search.state_routes import StateRoutes
 
 NOMINAL_ONLY = PlanRequest(samples=0, certificate_samples=0, moves=0, transition='dwell')
 
@@ -65,11 +67,20 @@ def test_a_scaled_hand_gets_the_scaled_plan(k):
     np.testing.assert_allclose(large.trajectory.efforts, plain.trajectory.efforts, atol=1e-4)
 
 
+def first_stops(problem):
+    """Of all sweeps from the start."""
+    rest = released(problem.world, problem.start)
+    tried = [
+        (s, simulate_primitive(problem.world, rest, s)) for s in sweeps(problem, rest.q, STYLES[0])
+    ]
+    stops = [move for s, record in tried for move, _ in stops_along(problem, rest, s, record)]
+    return [(move.velocity_finger, move.turn, move.torque) for move in stops]
+
+
 @pytest.mark.parametrize('k', [2.0, 0.5])
 def test_the_first_states_of_a_scaled_tree_of_primitives_are_scaled(k):
     """Later ones are apart by what impacts make of rounding; how far an object may go must not depend on metres."""
-    trees = [PrimitiveTree(build_problem(s), 0) for s in (ASYMMETRIC, scaled(ASYMMETRIC, k))]
-    stops = [[(m.velocity_finger, m.turn, m.torque) for _, _, _, m in t._queue] for t in trees]
+    stops = [first_stops(build_problem(s)) for s in (ASYMMETRIC, scaled(ASYMMETRIC, k))]
     shared = set(stops[0]) & set(stops[1])
     assert len(shared) >= 0.8 * max(map(len, stops))
 
@@ -82,5 +93,5 @@ def test_a_palm_at_another_height_changes_nothing(by):
     np.testing.assert_allclose(
         poses_and_angles(other.plan, by=by), poses_and_angles(plain.plan), atol=1e-6
     )
-    moves = PrimitiveRoutes(raised(ASYMMETRIC, np.array(by)), SearchOptions(move_limit=800))
-    assert moves.next_plan().found
+    routes = StateRoutes(raised(ASYMMETRIC, np.array(by)), SearchOptions(move_limit=800), beliefs)
+    assert routes.next_plan().found

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC
+from problems import ASYMMETRIC, beliefs
 
 from wholearm_ros.mechanics.contacts import pose_on_palm, start_configuration
 from wholearm_ros.mechanics.world import build_world
@@ -12,7 +12,8 @@ from wholearm_ros.model.scenario import GoalAtPose
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planning.problem import build_problem
-from wholearm_ros.planning.routes import PrimitiveRoutes, SearchOptions, plan
+from wholearm_ros.planning.routes import SearchOptions, plan
+from wholearm_ros.search.state_routes import StateRoutes
 
 TOLERANCE = [0.01, 0.005, 0.03]
 WORLD, START = build_world(ASYMMETRIC), start_configuration(ASYMMETRIC)
@@ -44,5 +45,5 @@ def test_a_tree_of_primitives_needs_no_edge_between_start_and_goal(slide, turn):
     """It is looked for, and found or not; without a stable edge on the way there is no cage to aim at."""
     scenario = moved(slide, turn)
     assert not build_problem(scenario if turn >= 0.0 else scenario.mirrored()).cages
-    answer = PrimitiveRoutes(scenario, SearchOptions(move_limit=60)).next_plan()
-    assert answer.found or 'no sequence of dynamic primitives' in answer.reason
+    answer = StateRoutes(scenario, SearchOptions(move_limit=60), beliefs).next_plan()
+    assert answer.found or 'no sequence of arcs and dynamic primitives' in answer.reason

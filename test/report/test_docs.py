@@ -46,7 +46,7 @@ OTHERS = ('docs/ros.md', 'docs/faults.md')  # written beside these; each may com
 # The graph at 250 Hz instead of 1000, on the planar stand-in; a map of few places, each given up soon.
 SOONER = {
     'run': ['--rate', '250', '--backend', 'planar'],
-    'map': ['--range', '0', '--time-budget', '1'],
+    'map': ['--range', '0', '--time-budget', '5'],
 }
 
 

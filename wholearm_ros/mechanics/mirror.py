@@ -4,13 +4,15 @@ come out of these.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import pair_from_name, pair_name
+from wholearm_ros.model.modes import DYNAMIC
 from wholearm_ros.model.motion_primitive import MotionPrimitive
-from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.plan import ContactPlan, Leg
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 
@@ -43,11 +45,18 @@ def mirror_plan(plan: ContactPlan, scenario: Scenario) -> ContactPlan:
             leg,
             configurations=mirror_configurations(leg.configurations),
             contacts=mirror_contacts(leg.contacts, scenario),
-            action=MotionPrimitive.from_dict(leg.action).mirrored().to_dict() if leg.action else {},
+            action=_mirrored_action(leg),
         )
         for leg in plan.legs
     )
     return replace(plan, scenario=scenario, subgoals=subgoals, legs=legs)
+
+
+def _mirrored_action(leg: Leg) -> dict[str, Any]:
+    """What a leg says of its execution names front and rear finger, which mirroring keeps."""
+    if leg.mode != DYNAMIC:
+        return leg.action
+    return MotionPrimitive.from_dict(leg.action).mirrored().to_dict()
 
 
 def mirror_trajectory(t: ManipulationTrajectory, scenario: Scenario) -> ManipulationTrajectory:

@@ -6,14 +6,14 @@ from functools import partial
 from itertools import product
 
 from wholearm_ros.model.modes import DWELL, DYNAMIC
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.planner.evaluation import Evaluation
 from wholearm_ros.planner.request import PlanRequest
-from wholearm_ros.planning.primitive_candidates import STYLES
-from wholearm_ros.planning.routes import PrimitiveRoutes, Routes, SearchOptions, make_routes
+from wholearm_ros.planning.routes import BEST, Routes, SearchOptions, make_routes
+from wholearm_ros.search.caging_ways import CAGING_EXECUTIONS
+from wholearm_ros.search.state_routes import StateRoutes
 from wholearm_ros.trajectory.execution_options import AUTO, FRONT, REAR, ExecutionOptions
 
-# velocity finger and torque [N m] in caging, the most promising first
-CAGING_EXECUTIONS = ((FRONT, 0.1), (REAR, 0.1), (FRONT, 0.02), (REAR, 0.3), (FRONT, 0.3))
+STATE_EXECUTIONS = ExecutionOptions(), ExecutionOptions(stops=True)
 # extra torque [N m] and its lead [s], likewise
 DYNAMIC_TRANSITIONS = (
     (0.3, 0.08),
@@ -37,20 +37,20 @@ class RouteSource:
     executions: tuple[ExecutionOptions, ...]
 
 
-def route_sources(
-    scenario: Scenario, request: PlanRequest, stop: Callable[[], bool]
-) -> Iterator[RouteSource]:
-    """Routes of arcs, then routes of dynamic primitives, one style of sweeps after the other.
-
-    stop: whether to give up.
+def route_sources(evaluation: Evaluation, progress: Callable[[str], None]) -> Iterator[RouteSource]:
+    """The search over states at rest; before it the paper's random search if that is asked for, and
+    for dynamic transitions, which join two arcs without a stop, whole routes of arcs.
     """
+    request, stop = evaluation.request, evaluation.watch.late
     options = SearchOptions(request.search, request.seed, request.limit, request.moves)
-    yield RouteSource(partial(make_routes, scenario, options, stop), arc_executions(request))
-    for style in STYLES if request.moves else ():
-        yield RouteSource(
-            partial(PrimitiveRoutes, scenario, options, style=style, stop=stop),
-            primitive_executions(),
+    routes = partial(make_routes, evaluation.scenario, options, stop)
+    if request.search != BEST or request.transition == DYNAMIC:
+        yield RouteSource(routes, arc_executions(request))
+    if request.transition != DYNAMIC or request.moves:
+        states = partial(
+            StateRoutes, evaluation.scenario, options, evaluation.beliefs, stop, progress
         )
+        yield RouteSource(states, STATE_EXECUTIONS)
 
 
 def arc_executions(request: PlanRequest) -> tuple[ExecutionOptions, ...]:
@@ -87,11 +87,3 @@ def transition_options(wanted: str) -> tuple[ExecutionOptions, ...]:
         for extra, lead in DYNAMIC_TRANSITIONS
     )
     return {DWELL: dwell, DYNAMIC: dynamic, AUTO: (*dwell, *dynamic[:1])}[wanted]
-
-
-def primitive_executions() -> tuple[ExecutionOptions, ...]:
-    """Ways to execute a route of dynamic primitives: only its caging descent leaves a choice."""
-    return tuple(
-        ExecutionOptions(caging_finger=finger, caging_torque=torque)
-        for finger, torque in CAGING_EXECUTIONS
-    )

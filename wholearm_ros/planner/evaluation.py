@@ -16,8 +16,10 @@ from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.stopwatch import GENERATE, VERIFY, Stopwatch
+from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.rollout.perturbed_samples import PerturbedSample, build_perturbed_samples
 from wholearm_ros.rollout.verification import Verification, rollouts
+from wholearm_ros.search.belief import Samples
 from wholearm_ros.trajectory.execution_options import FRONT, ExecutionOptions
 from wholearm_ros.trajectory.main_trajectory import generate
 
@@ -121,9 +123,17 @@ class Evaluation:
     @cached_property
     def samples(self) -> tuple[PerturbedSample, ...]:
         """The nominal sample, then the perturbed ones."""
+        return self._samples_of(self.scenario)
+
+    def beliefs(self, problem: PlanningProblem) -> Samples:
+        """The same for the search, whose problem may be the mirror image of the scenario."""
+        samples = self._samples_of(problem.scenario)
+        return Samples(problem, samples, self.request.least_success, self.controls)
+
+    def _samples_of(self, scenario: Scenario) -> tuple[PerturbedSample, ...]:
         r = self.request
         return build_perturbed_samples(
-            self.scenario, r.samples, r.level, r.seed, r.hand_errors, r.start_x_error
+            scenario, r.samples, r.level, r.seed, r.hand_errors, r.start_x_error
         )
 
     def _verify(self, trajectory: ManipulationTrajectory) -> Verification:

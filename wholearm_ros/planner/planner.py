@@ -1,8 +1,8 @@
 """Plan, execute in simulation, and only then give the plan: Phases 1 and 2 as one verified call.
 
-Routes come best first. Each is tried in a few ways; what succeeds in the nominal rollout and in
-nearly all perturbed ones is certified at once. What does not sends the search on, without the leg
-on which it failed.
+Routes come from a search that has executed them, way by way, on perturbed samples. Each is executed
+as a whole in a few ways; what succeeds in the nominal rollout and in nearly all perturbed ones is
+certified at once. What does not sends the search on.
 """
 
 from collections.abc import Callable, Iterator
@@ -81,7 +81,7 @@ def _candidates(
     of all, if it succeeds often enough. Whoever asks for another has no use for the one before.
     """
     request, watch = evaluation.request, evaluation.watch
-    for source in route_sources(evaluation.scenario, request, watch.late):
+    for source in route_sources(evaluation, progress):
         yield from _candidates_of(source, evaluation, ended, progress)
         if watch.late():
             break

@@ -14,15 +14,15 @@ class PlanRequest:
     """What to plan with.
 
     search: 'best' or 'random'; seed: of the random search and of the perturbed samples; transition:
-    'dwell', 'dynamic' or 'auto'; limit: of expansions of the search over arcs; moves: how many
-    simulations each primitive tree may make where arcs alone do not lead to the goal, 0 for no such
-    tree; candidates: trajectories to try before giving up on arcs, and again for each primitive
-    tree, so that the answer does not depend on the machine; time_budget: after which the search
-    ends with what it has [s].
+    'dwell', 'dynamic' or 'auto'; limit: of expansions in a graph of arcs; moves: how many
+    simulations the search over states at rest may make, 0 for arcs only and no limit;
+    candidates: trajectories to try before giving up, so that the answer does not depend on the
+    machine; time_budget: after which the search ends with what it has [s].
 
     samples, level: perturbed samples on which a candidate is rolled out, and how strongly they are
     perturbed; target_success: success rate over them at which the search ends soon;
-    least_success: at which the best candidate is still certified when none reached the target;
+    least_success: share of the samples that must arrive in every state of the search, and at which
+    the best candidate is still certified when none reached the target;
     early_stop_success: at which the search ends at once; improvement_budget: candidates to try for
     a better one after the first that reached the target; stress_levels, stress_samples: levels, and
     samples at each, on which ways to make the transitions are compared.

@@ -14,7 +14,6 @@ from wholearm_ros.model.orientation import turns_clockwise
 from wholearm_ros.model.plan import (
     EXHAUSTED,
     FOUND,
-    LIMIT_REACHED,
     TIME_SPENT,
     ContactPlan,
     Leg,
@@ -23,8 +22,6 @@ from wholearm_ros.model.plan import (
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planning.best_first_search import ArcGraph, BestRoute, Edge, EdgeKey, best_route
 from wholearm_ros.planning.main_random_search import main_random_search
-from wholearm_ros.planning.primitive_candidates import STYLES, Style
-from wholearm_ros.planning.primitive_tree import PrimitiveTree, primitive_tree_search
 from wholearm_ros.planning.problem import build_problem
 
 BEST, RANDOM = Search.best.value, Search.random.value
@@ -33,14 +30,14 @@ Stop = Callable[[], bool]
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """search: BEST or RANDOM; seed: of the random search, and of the particles of the primitive
-    tree; limit: of expansions (i_max); move_limit: of simulations in one primitive tree.
+    """search: BEST or RANDOM; seed: of the random search; limit: of expansions (i_max); move_limit:
+    of simulations in the search over states at rest, 0 for no limit and no motion primitives.
     """
 
     search: str = BEST
     seed: int = 0
     limit: int = 5000
-    move_limit: int = 8000
+    move_limit: int = 6000
 
 
 @dataclass(frozen=True)
@@ -174,50 +171,6 @@ class RandomRoutes(Routes):
         path, legs = network.route_to(goal)
         margin, cost = network.cost_to(goal)
         return Found(FOUND, reason, counts, subgoals, path, legs, {'margin': margin, 'total': cost})
-
-
-class PrimitiveRoutes(Routes):
-    """Routes of dynamic primitives, each one another way through the tree of states at rest,
-    whichever leg failed. style: of the tree's sweeps.
-    """
-
-    def __init__(
-        self,
-        scenario: Scenario,
-        options: SearchOptions,
-        stop: Stop = lambda: False,
-        style: Style = STYLES[0],
-    ) -> None:
-        super().__init__(scenario, options, stop)
-        self._tree = PrimitiveTree(self.problem, options.seed, style)
-
-    def _search(self, failed_leg: int | None) -> Found:
-        route = primitive_tree_search(self.problem, self._tree, self.options.move_limit, self.stop)
-        counts = {
-            'states_at_rest': len(self._tree.states),
-            'moves_simulated': self._tree.simulated,
-        }
-        if route is None:
-            return Found(*self._why_none(), counts)
-        subgoals, legs = route
-        return Found(
-            FOUND,
-            f'{len(legs)} legs of dynamic moves and caging',
-            {**counts, 'subgoals': len(subgoals)},
-            tuple(subgoals),
-            tuple(s.number for s in subgoals),
-            tuple(legs),
-            {'total': float(len(legs))},
-        )
-
-    def _why_none(self) -> tuple[str, str]:
-        """(outcome, reason) of a search that ended without a route."""
-        none = 'no sequence of dynamic primitives was found'
-        if self._tree.simulated >= self.options.move_limit:
-            return LIMIT_REACHED, f'{none} in {self._tree.simulated} simulated ones'
-        if self._tree.open:
-            return TIME_SPENT, f'{none} before the time was spent'
-        return EXHAUSTED, f'{none}, and no state at rest is left to go on from'
 
 
 def _why(outcome: str, without: frozenset[EdgeKey] = frozenset()) -> str:

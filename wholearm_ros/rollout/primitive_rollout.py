@@ -22,6 +22,7 @@ from wholearm_ros.model.motion_primitive import MotionPrimitive
 STEP = 0.001  # [s]
 PERIOD = 0.004  # [s] of the records
 STIFF = PdGains(300.0, 6.0)  # of the velocity finger while its torque is being found
+PATH_EVERY = 10  # of the records, kept in a leg
 SHORTEST_RAMP = 0.04  # [s]
 REST_SPEED = 0.01  # [1/s] in scaled coordinates, of anything at rest
 
@@ -32,6 +33,11 @@ class Rest:
 
     q: np.ndarray
     efforts: np.ndarray
+
+
+def released(world: World, q: np.ndarray) -> Rest:
+    """At rest in q (5,), the fingers bearing only their own weight."""
+    return Rest(q, world.finger_moment * np.cos(q[JOINTS]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +61,12 @@ class PrimitiveRecord:
     def rest(self) -> Rest:
         """Where it ended."""
         return Rest(self.configurations[-1], self.efforts[-1])
+
+    def path(self, start: Rest) -> np.ndarray:
+        """(m, 5) the start, some of the records and the last."""
+        last = len(self.configurations) - 1
+        places = [*range(PATH_EVERY, last, PATH_EVERY), last]
+        return np.vstack([start.q[None], self.configurations[places]])
 
     def course(self, start: Rest) -> Course:
         """The setpoints that lead the fingers along it, for a rollout."""

@@ -6,6 +6,7 @@ from typing import Any
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.model.choices import Transition
 from wholearm_ros.model.modes import DWELL, DYNAMIC
+from wholearm_ros.model.plan import Leg
 
 # The front finger is the one towards which the object turns: left when counter-clockwise.
 AUTO, FRONT, REAR = Transition.auto.value, 'front', 'rear'
@@ -22,6 +23,7 @@ class ExecutionOptions:
     velocity_finger: FRONT or REAR for the whole plan, or AUTO (III-B.4, leg by leg);
     caging_finger: FRONT or REAR, which is velocity-controlled in a caging descent;
     holding_torque: with which the torque finger holds the object at the goal [N m];
+    stops: whether the hand stops at every node of the route, also where it could move on;
     speed, acceleration: limits of every joint [rad/s, rad/s²]; slew: rate limit of the torque
     [N m/s]; settle: pause after a dwell [s]; period: of the samples [s].
     """
@@ -36,6 +38,7 @@ class ExecutionOptions:
     velocity_finger: str = AUTO
     caging_finger: str = FRONT
     holding_torque: float = 0.25
+    stops: bool = False
     speed: float = 1.5
     acceleration: float = 12.0
     slew: float = 20.0
@@ -45,6 +48,15 @@ class ExecutionOptions:
     def to_dict(self) -> dict[str, Any]:
         """The fields by name, for documents."""
         return asdict(self)
+
+    def of_leg(self, leg: Leg) -> 'ExecutionOptions':
+        """For a leg: its `action` says what differs from the rest of the plan.
+
+        Raises as `from_dict` does.
+        """
+        if leg.mode == DYNAMIC or not leg.action:
+            return self
+        return ExecutionOptions.from_dict({**self.to_dict(), **leg.action})
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> 'ExecutionOptions':

@@ -21,17 +21,17 @@ NONE = np.full(2, np.nan)  # the torque range of a sample that has none
 
 
 class TrajectoryBuilder:
-    """Starts at rest in q (5,), the fingers bearing only their own weight.
+    """Goes on from where everything is at rest.
 
     A dynamic transition takes up the end of the segment before it, so that every segment is
     appended with the one that follows; what has been appended stays as it is.
     """
 
-    def __init__(self, world: World, q: np.ndarray, options: ExecutionOptions) -> None:
+    def __init__(self, world: World, start: Rest, options: ExecutionOptions) -> None:
         self.world, self.options = world, options
-        self._stands = np.asarray(q, float)  # (5,) configuration at the end
+        self._stands = np.asarray(start.q, float)  # (5,) configuration at the end
         self._q = [self._stands[None]]
-        self._efforts = [(world.finger_moment * np.cos(q[JOINTS]))[None]]
+        self._efforts = [np.asarray(start.efforts, float)[None]]
         self._ranges = [NONE[None]]
         self._segments: list[Segment] = []
 

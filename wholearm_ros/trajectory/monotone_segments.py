@@ -25,7 +25,8 @@ class Piece:
     """Part of a leg with one velocity finger.
 
     mode: of the leg; pairs: closed contacts; samples: (m, 5) configurations [m, rad], along which
-    θ_V is strictly monotone if quasi-static; move: the motion primitive of a dynamic piece.
+    θ_V is strictly monotone if quasi-static; move: the motion primitive of a dynamic piece;
+    torque: τ_caging of a descent [N m].
     """
 
     mode: str
@@ -33,6 +34,7 @@ class Piece:
     samples: np.ndarray
     velocity_finger: int
     move: MotionPrimitive | None = None
+    torque: float = 0.0
 
     @property
     def direction(self) -> int:
@@ -65,13 +67,15 @@ def pieces_of(world: World, leg: Leg, options: ExecutionOptions) -> list[Piece]:
     """A leg cut into pieces, each with a velocity finger that can drive it: the preferred one
     wherever it can (III-B.4).
     """
+    options = options.of_leg(leg)
     pairs = tuple(pair_from_name(name) for name in leg.contacts)
     if leg.mode == DYNAMIC:
         move = MotionPrimitive.from_dict(leg.action)
         return [Piece(DYNAMIC, pairs, leg.configurations, move.velocity_finger, move)]
     if leg.mode == CAGING:
         side = LEFT if options.caging_finger == FRONT else RIGHT
-        return [Piece(CAGING, pairs, leg.configurations, side)]
+        torque = options.caging_torque
+        return [Piece(CAGING, pairs, leg.configurations, side, torque=torque)]
     pieces: list[Piece] = []
     samples, start = leg.configurations, 0
     steps = np.diff(samples, axis=0) / world.scale

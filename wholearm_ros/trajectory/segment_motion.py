@@ -104,7 +104,7 @@ def _descent(world: World, segment: MonotoneSegment, options: ExecutionOptions) 
     q = np.column_stack([np.interp(angle, rotation, piece.samples[:, j]) for j in range(SIZE)])
     efforts = world.finger_moment * np.cos(q[:, JOINTS])
     holding = efforts[-1].copy()
-    efforts[:, other] += CLOSING[other] * options.caging_torque
+    efforts[:, other] += CLOSING[other] * piece.torque
     holding[other] += CLOSING[other] * options.holding_torque
     none, of_piece = np.full((len(q), 2), np.nan), np.zeros(len(q), int)
     return SegmentMotion(segment, q, efforts, none, of_piece, holding=holding)

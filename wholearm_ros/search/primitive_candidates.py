@@ -1,4 +1,4 @@
-"""Candidates of the primitive tree: the motion primitives worth simulating from a state at rest.
+"""Candidates: the motion primitives worth simulating from a state at rest.
 
 Either finger is swept either way under a few torques of the other one; every so far along a sweep
 is a place to stop. Near the top of the last cage there are flings, too: quick primitives whose
@@ -19,6 +19,7 @@ from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest
+from wholearm_ros.search.arcs import TOUCHING
 
 SWEEP = 0.9  # [rad]
 STOP_EVERY = 0.1  # [rad] along a sweep
@@ -28,7 +29,6 @@ FLING_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
 FLING_TORQUES = (0.2, 1.0, 3.5)  # [N m]
 FLING_SPEED, FLING_SLEW = 5.0, 50.0  # [rad/s], [N m/s]
 FLING_WITHIN = 0.8  # [rad] of where the object may be released
-TOUCHING = 2e-4  # [m] gap of a closed pair after a simulation
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,124 @@
+"""Motion primitives as ways out of a state: the dynamic manipulation of III-B.2 as a step of the
+search.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from wholearm_ros.model.configuration import POSE
+from wholearm_ros.model.modes import DYNAMIC
+from wholearm_ros.model.motion_primitive import MotionPrimitive
+from wholearm_ros.model.plan import Leg
+from wholearm_ros.rollout.parallel import parallel_map
+from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest, simulate_primitive
+from wholearm_ros.search.primitive_candidates import (
+    LONG_SETTLE,
+    STYLES,
+    Style,
+    flings,
+    stops_along,
+    sweeps,
+)
+from wholearm_ros.search.state_tree import StateTree
+from wholearm_ros.search.ways import way_of_primitive
+
+# Prices, against a radian of the rotation that is left
+PRIMITIVE_PRICE = 0.06
+STYLE_PRICE = 0.3  # of every further style of sweeps
+SIBLING_PRICE = 0.1  # of every other stop along the same sweep that came to nothing
+
+
+@dataclass
+class Sweep:
+    """failures: how many of the stops along it came to nothing."""
+
+    failures: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class PrimitiveWays:
+    """To stops along sweeps, which are simulated when it is their turn, and flings."""
+
+    tree: StateTree
+
+    def open(self, k: int) -> None:
+        """Queue those that leave state k."""
+        for number, style in enumerate(STYLES):
+            later = PRIMITIVE_PRICE + number * STYLE_PRICE
+            price = self.tree.price_at(k, self.tree.states[k].rest.q) + later
+            self.tree.push(k, price, partial(self._try, k, style, later))
+
+    def _try(self, k: int, style: Style, later: float) -> None:
+        """See where primitives from state k lead."""
+        rest, problem = self.tree.states[k].rest, self.tree.problem
+        tried = sweeps(problem, rest.q, style)
+        for move, record in zip(tried, self._simulate(rest, tried)):
+            sweep = Sweep()
+            for stop, q in stops_along(problem, rest, move, record):
+                self._push(k, stop, q, later, sweep)
+        quick = flings(problem, rest.q) if style is STYLES[0] else []
+        for fling, record in zip(quick, self._simulate(rest, quick)):
+            q = record.configurations[-1]
+            past_the_top = record.at_rest and problem.rotation_left(q) < 0.0
+            if past_the_top and not problem.hopeless(q):
+                self._push(k, fling, q, later, Sweep())
+
+    def _push(
+        self, k: int, move: MotionPrimitive, q: np.ndarray, later: float, sweep: Sweep
+    ) -> None:
+        """Queue a primitive that leaves state k towards q (5,)."""
+        if self.tree.known(self.tree.cell(q), self.tree.states[k].belief.loss):
+            return
+        price = self.tree.price_at(k, q) + later + SIBLING_PRICE * sweep.failures
+        work = partial(self._by, k, move, q, later, sweep, sweep.failures)
+        self.tree.push(k, price, work)
+
+    def _by(
+        self,
+        k: int,
+        move: MotionPrimitive,
+        q: np.ndarray,
+        later: float,
+        sweep: Sweep,
+        failures: int,
+    ) -> int | None:
+        """By a primitive; later, when others along its sweep came to nothing meanwhile."""
+        if sweep.failures > failures:
+            self._push(k, move, q, later, sweep)
+            return None
+        if self.tree.known(self.tree.cell(q), self.tree.states[k].belief.loss):
+            return None
+        found = self._executed(k, move)
+        sweep.failures += found is None
+        return found
+
+    def _executed(self, k: int, move: MotionPrimitive) -> int | None:
+        state, problem = self.tree.states[k], self.tree.problem
+        record = self._brought_to_rest(state.rest, move)
+        end = record.configurations[-1]
+        if not record.at_rest or record.stops_met.any() or problem.hopeless(end):
+            return None
+        leg = Leg(
+            0, 0, DYNAMIC, self.tree.names(end), record.path(state.rest), record.move.to_dict()
+        )
+        way, goal = way_of_primitive(state.rest, record, leg), problem.reached(end[POSE])
+        after = state.then(k, way, PRIMITIVE_PRICE, goal=goal)
+        return self.tree.execute(after, ('goal', k) if goal else self.tree.cell(end))
+
+    def _brought_to_rest(self, rest: Rest, move: MotionPrimitive) -> PrimitiveRecord:
+        """The primitive simulated, with a longer pause after it where it does not end at rest."""
+        (record,) = self._simulate(rest, [move])
+        if record.at_rest or move.settle >= LONG_SETTLE:
+            return record
+        if self.tree.problem.hopeless(record.configurations[-1]):
+            return record
+        (record,) = self._simulate(rest, [replace(move, settle=LONG_SETTLE)])
+        return record
+
+    def _simulate(self, rest: Rest, moves: Sequence[MotionPrimitive]) -> list[PrimitiveRecord]:
+        """The records of primitives from rest."""
+        self.tree.primitives += len(moves)
+        return list(parallel_map(partial(simulate_primitive, self.tree.problem.world, rest), moves))
