@@ -30,7 +30,7 @@ class Certificate:
         return told
 
     def __str__(self) -> str:
-        hand = f' (hand {self.hand_errors:g})' if self.hand_errors else ''
+        hand = f' (hand: {self.hand_errors:g})' if self.hand_errors else ''
         return (
             f'{self.survived} of {self.samples} fresh samples at level {self.level:g}{hand} succeed'
             f', success rate at least {self.lower_bound:.2f} ({self.confidence:.0%} confidence)'

@@ -55,7 +55,7 @@ class PlanRequest:
     certificate_level: float = 1.0
     min_success: float = 0.8
     certifications: int = 3
-    hand_errors: float = 0.0
+    hand_errors: float = 1.0
     start_x_error: float = 0.0
 
 
