@@ -169,6 +169,16 @@ def test_a_face_that_cannot_be_reached_is_refused_with_those_that_can():
     assert 'can be reached: 5, 4, 1' in refused.plan.reason
 
 
+def test_where_no_plan_leads_there_at_once_it_goes_by_way_of_another_face(monkeypatch):
+    """Each turn is planned; only the plan for all at once is refused here."""
+    refused = LegPlanner(ARCS_ONLY).plan(replace(SCENARIO, goal=GoalOnEdge(2)))
+    monkeypatch.setattr('wholearm_ros.planner.legs.plan_and_verify', lambda *_, **__: refused)
+    lines = []
+    answer = LegPlanner(ARCS_ONLY).plan(replace(SCENARIO, goal=GoalOnEdge(4)), lines.append)
+    edges = [turn.scenario.goal.edge for turn in (answer.plan, *answer.plan.then)]
+    assert edges == [5, 4] and lines == ['by way of edge 5'] and answer.plan.overall.survived > 10
+
+
 def test_the_map_of_another_object_is_another_one(tmp_path):
     other = replace(SCENARIO, object=replace(SCENARIO.object, mass=0.3))
     here, there = (MapStore(s, tmp_path).directory for s in (SCENARIO, other))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wholearm_ros.model.modes import DYNAMIC
+from wholearm_ros.model.modes import DYNAMIC, QUASI_STATIC
 from wholearm_ros.model.plan import (
     EXHAUSTED,
     FOUND,
@@ -88,7 +88,7 @@ class StateRoutes(Routes):
             tuple(writer.subgoals),
             tuple(writer.path),
             tuple(writer.legs),
-            {'margin': goal.margin, 'total': goal.paid},
+            {**_margin_of(goal, writer.legs), 'total': goal.paid},
         )
 
     def _next_goal(self) -> int | None:
@@ -138,10 +138,19 @@ class StateRoutes(Routes):
         return LIMIT_REACHED, f'the limit of expansions was reached before a route; {reached}'
 
 
+def _margin_of(goal: State, legs: list[Leg]) -> dict[str, float]:
+    """The torque margin of a route [N m], where it has arcs."""
+    return {'margin': goal.margin} if any(leg.mode == QUASI_STATIC for leg in legs) else {}
+
+
 def _reason(goal: State, legs: list[Leg]) -> str:
     """What was found."""
     kinds = ', '.join(dict.fromkeys(leg.mode.replace('_', '-') for leg in legs))
-    return f'{len(legs)} legs ({kinds}), torque margin {goal.margin:.3f} N m'
+    told = f'{len(legs)} legs ({kinds})'
+    for margin in _margin_of(goal, legs).values():
+        narrow = 'no torque margin where it is narrowest'
+        told += f', torque margin {margin:.3f} N m' if margin > 0.0 else f', {narrow}'
+    return told
 
 
 class _RouteWriter:
