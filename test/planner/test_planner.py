@@ -31,14 +31,14 @@ def results():
 
 @pytest.mark.parametrize('search', ['best', 'random'])
 @pytest.mark.parametrize('name', SHIPPED)
-def test_the_shipped_scenarios_are_planned_and_every_sample_survives(results, name, search):
+def test_the_shipped_scenarios_are_planned_and_the_samples_survive(results, name, search):
+    """All on the best route; on a random one all but one, who may fail for an error of the hand."""
     found = results[name, search]
     record = found.trajectory.verification
-    assert found.plan.found and found.verification.success_rate == 1.0
-    assert (
-        record['survived'] == record['copies'] == PlanRequest().samples + 1
-        and record['reasons'] == []
-    )
+    failed = record['copies'] - record['survived']
+    assert found.plan.found and record['copies'] == PlanRequest().samples + 1
+    assert failed == len(record['reasons']) <= (search == 'random')
+    assert found.verification.success_rate == pytest.approx(1.0 - failed / record['copies'])
     assert record['lcp_residual'] <= 1e-9
 
 
@@ -174,5 +174,5 @@ def test_samples_of_certificates_had_no_part_in_the_search():
 
 def test_where_the_first_routes_share_a_poor_way_the_search_goes_on_to_one_without_it():
     """The first four lose two of twelve samples on the same arc."""
-    plan = plan_and_verify(LEANING).plan
+    plan = plan_and_verify(LEANING, PlanRequest(hand_errors=0.0)).plan
     assert plan.found and plan.certificate.lower_bound >= 0.9
