@@ -8,50 +8,32 @@ lines already in OUT are not run again. A table at the end: a row a scenario, pa
 
 import argparse
 import json
-import subprocess
-import sys
 from pathlib import Path
 
-from wholearm_ros.errors import WholeArmError
-from wholearm_ros.launcher.launcher import RunOptions, run_graph
-from wholearm_ros.model.outcomes import SUCCEEDED
-from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.package_share import scenario_path
-from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.messages import values_of
+from graph_run import heard_run, in_a_process
 
-RUN_WITHIN = 600.0  # [s]
+from wholearm_ros.launcher.launcher import RunOptions
+from wholearm_ros.model.outcomes import SUCCEEDED
+from wholearm_ros.package_share import scenario_path
+
 SCENARIOS = ('asymmetric_hexagon', 'regular_hexagon')
-LOOP = ('rate Hz', 'command latency p50 ms', 'command latency p99 ms')
+RATE, LATENCY = 'rate Hz', ('command latency p50 ms', 'command latency p99 ms')
 
 
 def one(scenario: str, pacing: str, level: float, seed: int) -> dict:
     """A run in this process: claimed (succeeded, felt at the goal), executed (the truth), reason, and the hardware's figures."""
-    said: dict = {}
-
-    def hear(message):
-        for status in message.status:
-            if status.name.endswith('hand_hardware'):
-                said.update(values_of(status))
-
-    def on_client_ready(client):
-        topic = channels.DIAGNOSTICS
-        client.node.create_subscription(topic.type, topic.name, hear, topic.qos)
-
     path = scenario_path(scenario)
-    options = RunOptions(str(path), pacing, seed=seed, perturb=level)
-    try:
-        report = run_graph(
-            load_scenario(path), options, lambda *_: None, on_client_ready=on_client_ready
-        )
-    except WholeArmError as error:
-        return {'claimed': False, 'executed': False, 'attempts': 0, 'reason': str(error)}
+    report, said = heard_run(RunOptions(str(path), pacing, seed=seed, perturb=level))
+    if isinstance(report, str):
+        return {'claimed': False, 'executed': False, 'attempts': 0, 'reason': report}
+    (began, first), *_, (ended, last) = said['hand_hardware']
     return {
         'claimed': report.result.get('outcome') == SUCCEEDED,
         'executed': report.judged is not None and report.judged.executed,
         'attempts': sum(bool(a.get('planned')) for a in report.attempts),
         'reason': report.result.get('reason', report.message),
-        **{key: said.get(key) for key in LOOP},
+        RATE: (int(last['steps']) - int(first['steps'])) / (ended - began),
+        **{key: last.get(key) for key in LATENCY},
     }
 
 
@@ -64,7 +46,7 @@ def table(rows: list) -> str:
     ]
     for key in dict.fromkeys(tuple(r['key'][:3]) for r in rows):
         of = [r for r in rows if tuple(r['key'][:3]) == key]
-        median = [_median(r.get(name) for r in of) for name in LOOP]
+        median = [_median(r.get(name) for r in of) for name in (RATE, *LATENCY)]
         counts = (
             len(of),
             sum(r['executed'] for r in of),
@@ -108,15 +90,9 @@ def main():
                     key = (scenario, pacing, level, seed)
                     if key in done:
                         continue
-                    command = [sys.executable, __file__, '--one', *map(str, key)]
-                    ran = subprocess.run(
-                        command, capture_output=True, text=True, timeout=RUN_WITHIN
-                    )
-                    told = (
-                        {'claimed': False, 'executed': False, 'reason': ran.stderr[-300:]}
-                        if ran.returncode
-                        else json.loads(ran.stdout.splitlines()[-1])
-                    )
+                    told = in_a_process(__file__, '--one', *map(str, key))
+                    if isinstance(told, str):
+                        told = {'claimed': False, 'executed': False, 'reason': told}
                     rows.append({'key': key, **told})
                     with options.json.open('a') as out:
                         print(json.dumps(rows[-1]), file=out)

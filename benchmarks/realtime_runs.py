@@ -5,45 +5,27 @@ python benchmarks/realtime_runs.py [--runs 50] [--rates 1000 500] [--record] [--
 
 import argparse
 import json
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
-from wholearm_ros.errors import WholeArmError
-from wholearm_ros.launcher.launcher import LOOP_PRIORITY, RunOptions, run_graph
-from wholearm_ros.model.scenario_file import load_scenario
+from graph_run import heard_run, in_a_process
+
+from wholearm_ros.launcher.launcher import LOOP_PRIORITY, RunOptions
 from wholearm_ros.package_share import scenario_path
-from wholearm_ros.ros.interface import channels
-from wholearm_ros.ros.interface.messages import values_of
 
 LOOP = ('hand_hardware', 'mode_switcher', 'velocity_controller', 'torque_controller')
-RUN_WITHIN = 600.0  # [s]
 
 
 def one(scenario: str, rate: float, record: bool) -> dict:
     """A run in this process: success, reason, longest publish [ms] by node."""
-    said: dict = {}
-
-    def hear(message):
-        for status in message.status:
-            said[status.name.rsplit('/', 1)[-1]] = values_of(status)
-
-    def on_client_ready(client):
-        topic = channels.DIAGNOSTICS
-        client.node.create_subscription(topic.type, topic.name, hear, topic.qos)
-
     path = scenario_path(scenario)
     with tempfile.TemporaryDirectory() as scratch:
         bag = Path(scratch) / 'bag' if record else None
-        options = RunOptions(str(path), 'realtime', rate=rate, record=bag)
-        try:
-            report = run_graph(
-                load_scenario(path), options, lambda *_: None, on_client_ready=on_client_ready
-            )
-            success, reason = report.success, report.result.get('reason', report.message)
-        except WholeArmError as error:
-            success, reason = False, str(error)
+        report, heard = heard_run(RunOptions(str(path), 'realtime', rate=rate, record=bag))
+    success, reason = False, report
+    if not isinstance(report, str):
+        success, reason = report.success, report.result.get('reason', report.message)
+    said = {node: told[-1][1] for node, told in heard.items()}
     longest = {
         node: float(values.get('longest publish ms', 'nan')) for node, values in said.items()
     }
@@ -65,13 +47,10 @@ def many(options: argparse.Namespace, rate: float) -> None:
     """Each in a process of its own; a line of each and a summary."""
     results = []
     for k in range(options.runs):
-        command = [sys.executable, __file__, '--scenario', options.scenario, '--one', str(rate)]
-        command += ['--record'] if options.record else []
-        done = subprocess.run(command, capture_output=True, text=True, timeout=RUN_WITHIN)
-        if done.returncode:
-            result = {'success': False, 'reason': done.stderr[-300:], 'longest publish ms': {}}
-        else:
-            result = json.loads(done.stdout.splitlines()[-1])
+        words = ['--scenario', options.scenario, '--one', str(rate)]
+        result = in_a_process(__file__, *words, *(['--record'] if options.record else []))
+        if isinstance(result, str):
+            result = {'success': False, 'reason': result, 'longest publish ms': {}}
         results.append(result)
         print(json.dumps({'rate': rate, 'run': k, **result}), flush=True)
     longest = [
