@@ -38,6 +38,11 @@ def output_file(name: str, text: str, default: bool | str = True) -> Any:
     )
 
 
+def level_option(name: str, text: str) -> Any:
+    """Option that takes a level of errors; text: its help."""
+    return typer.Option(name, min=0.0, max=10.0, metavar='LEVEL', help=text)
+
+
 def scenario_argument(text: str) -> Any:
     """Argument that may be left out: then it is the asymmetric hexagon; text: its help."""
     return typer.Argument(metavar='[SCENARIO]', help=text, show_default='asymmetric_hexagon')
@@ -106,23 +111,17 @@ JudgeOption = Annotated[
 ]
 PerturbOption = Annotated[
     float,
-    typer.Option(
+    level_option(
         '--perturb',
-        min=0.0,
-        max=10.0,
-        metavar='LEVEL',
-        help='Draw mass, shape, friction, delay, torque and noise unknown to the planner; '
+        'Draw mass, shape, friction, delay, torque and noise unknown to the planner; '
         '1: ±5 %, ±0.5 mm, 0-0.05, 0-3 ms, ±3 %, 0.2 mrad.',
     ),
 ]
 HandErrorsOption = Annotated[
     float,
-    typer.Option(
+    level_option(
         '--hand-errors',
-        min=0.0,
-        max=10.0,
-        metavar='LEVEL',
-        help='Draw errors of the hand unknown to the planner: joint friction, encoder zeros, '
+        'Draw errors of the hand unknown to the planner: joint friction, encoder zeros, '
         'axes, direction of gravity, start x; 1: 0-0.02 N m, ±2 mrad, ±0.3 mm, ±0.5 °, ±1 mm.',
     ),
 ]

@@ -16,6 +16,7 @@ from wholearm_ros.cli.options import (
     SeedOption,
     SuccessOption,
     TransitionOption,
+    level_option,
 )
 from wholearm_ros.cli.output import finish, print_plain, write_text
 from wholearm_ros.cli.planning import advice_for, load_asked, plan_scenario
@@ -34,12 +35,8 @@ def plan(
     min_success: SuccessOption = MIN_SUCCESS,
     hand_errors: Annotated[
         float,
-        typer.Option(
-            '--hand-errors',
-            min=0.0,
-            max=10.0,
-            metavar='LEVEL',
-            help='Errors of the hand in the samples of search and certificate.',
+        level_option(
+            '--hand-errors', 'Errors of the hand in the samples of search and certificate.'
         ),
     ] = PlanRequest.hand_errors,
     json_out: JsonOption = None,

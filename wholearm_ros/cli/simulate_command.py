@@ -26,9 +26,8 @@ from wholearm_ros.cli.output import finish, out, print_plain, write_json, write_
 from wholearm_ros.cli.planning import load_asked, plan_scenario, read_plan
 from wholearm_ros.model.backends import DEFAULT_BACKEND
 from wholearm_ros.model.choices import Search, Transition
-from wholearm_ros.planner.legs import Leg, whole_task
-from wholearm_ros.planner.request import PlanRequest
-from wholearm_ros.planner.supervision import stop_of
+from wholearm_ros.planner.legs import leg_of, whole_task
+from wholearm_ros.planner.request import PlanRequest, PlanResult
 from wholearm_ros.report.run_document import run_document
 from wholearm_ros.simulation.closed_loop import LoopOptions
 from wholearm_ros.suite.execution import JudgedRun, execute
@@ -86,7 +85,7 @@ def simulate(
         PlanRequest(seed=seed), perturb, backend=backend, loop=loop, hand_errors=hand_errors
     )
     asked = whole_task(plan)
-    leg = Leg(trajectory, plan.scenario, stop_of(asked, plan.scenario), plan)
+    leg = leg_of(asked, PlanResult(plan, trajectory, {}))
     execution = execute(asked, leg, options)
     if json_out:
         write_json(json_out, _document(execution, trajectory.plan_id, options))

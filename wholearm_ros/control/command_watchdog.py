@@ -26,11 +26,11 @@ class CommandWatchdog:
     again; limp: hold lasted `hold_time`, zero torque until the reset; stopped: on request, the
     drives hold the fingers and take no command until the reset.
 
-    limits: (2,) largest torques [N m]; timeout, hold_time [ns]: None, hold as long as the drives
-    run; tolerance [ns]: None where commands
-    carry the stamps of the joint states they answer; else they count as stamped on arrival, and
-    their own stamps, if not zero, must be within it of the clock. late, saturated, trips: commands
-    dropped, commands cut to the limit, times on hold; taken: commands of each joint.
+    limits: (2,) largest torques [N m]; timeout [ns]; hold_time [ns]: None to hold as long as the
+    drives run; tolerance [ns]: None where commands carry the stamps of the joint states they
+    answer; else they count as stamped on arrival, and their own stamps, if not zero, must be within
+    it of the clock. late, saturated, trips: commands dropped, commands cut to the limit, times on
+    hold; taken: commands of each joint.
     """
 
     def __init__(

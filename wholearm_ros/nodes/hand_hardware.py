@@ -11,13 +11,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from wholearm_ros.control.command_watchdog import (
-    BRAKE,
-    HOLD,
-    HOLDING,
-    WAITING_FOR_RESET,
-    CommandWatchdog,
-)
+from wholearm_ros.control.command_watchdog import BRAKE, DRIVEN, CommandWatchdog
 from wholearm_ros.control.periodic_timer import PeriodicTimer
 from wholearm_ros.model.backends import BACKENDS, DEFAULT_BACKEND
 from wholearm_ros.model.choices import CommandStamps, Pacing, values
@@ -41,8 +35,9 @@ from wholearm_ros.ros.interface.messages import (
     to_commands,
 )
 from wholearm_ros.ros.interface.parameters import Declared, ParameterError
+from wholearm_ros.ros.node.drives_health import drives_health
 from wholearm_ros.ros.node.loop_meter import LoopMeter
-from wholearm_ros.ros.node.node import ERROR, OK, WARN, Health, WholeArmNode
+from wholearm_ros.ros.node.node import WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
 from wholearm_ros.ros.visualization.markers import state_markers
 from wholearm_ros.ros.visualization.robot_description import urdf
@@ -258,13 +253,10 @@ class HandHardware(WholeArmNode):
                     'slipped ms': self.timer.slipped / 1e6,
                 }
             )
-        if guard.state in WAITING_FOR_RESET:
-            return ERROR, WAITING_FOR_RESET[guard.state], values
-        if guard.state == HOLD:
-            return WARN, HOLDING, values
-        if self.lockstep and guard.state != BRAKE and waiting > self.parameters.lockstep_timeout:
+        patient = waiting <= self.parameters.lockstep_timeout
+        if self.lockstep and guard.state == DRIVEN and not patient:
             return WARN, f'waiting {waiting:.0f} s for the commands of one step', values
-        return OK, guard.state, values
+        return drives_health(guard, values)
 
     def leave(self) -> None:
         """Zero torque. The motors' thread ends first: the hand is disconnected after that."""

@@ -11,14 +11,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import Trigger
 
-from wholearm_ros.control.command_watchdog import (
-    BRAKE,
-    HOLD,
-    HOLDING,
-    STOPPED,
-    WAITING_FOR_RESET,
-    CommandWatchdog,
-)
+from wholearm_ros.control.command_watchdog import BRAKE, STOPPED, CommandWatchdog
 from wholearm_ros.control.joint_map import JointMap
 from wholearm_ros.control.setpoints import Joints
 from wholearm_ros.control.torque_drives import TorqueDrives
@@ -36,6 +29,7 @@ from wholearm_ros.ros.interface.common_parameters import (
 from wholearm_ros.ros.interface.joint_state_serialization import NANOSECONDS, JointReading
 from wholearm_ros.ros.interface.messages import joint_states_bytes, to_commands, to_joints
 from wholearm_ros.ros.interface.parameters import Declared, ParameterError
+from wholearm_ros.ros.node.drives_health import drives_health
 from wholearm_ros.ros.node.loop_meter import LoopMeter
 from wholearm_ros.ros.node.node import ERROR, OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
@@ -250,11 +244,7 @@ class Ros2ControlBridge(LifecycleNodeMixin, WholeArmNode):
             return (ERROR if self.active else WARN), f'no joint states on {p.broadcaster}', values
         if not self.active:
             return OK, 'not active: the motors are off', values
-        if guard.state in WAITING_FOR_RESET:
-            return ERROR, WAITING_FOR_RESET[guard.state], values
-        if guard.state == HOLD:
-            return WARN, HOLDING, values
-        return OK, guard.state, values
+        return drives_health(guard, values)
 
     def leave(self) -> None:
         """Zero torque, which the drives then keep."""

@@ -5,6 +5,7 @@ the turns that are meant to follow it.
 import time
 from dataclasses import dataclass, replace
 
+from wholearm_ros.model.configuration import X
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
@@ -61,8 +62,7 @@ class LegPlanner:
         result = plan_and_verify(scenario, self.request, progress=progress)
         if result.trajectory is not None:
             return result
-        reached: list[int] = []
-        route = self._by_way_of_others(scenario, ends, progress, reached)
+        route, reached = self._by_way_of_others(scenario, ends, progress)
         if route:
             self._found += route
             return self._answer(route)
@@ -70,14 +70,15 @@ class LegPlanner:
 
     def remember(self, plan: ContactPlan) -> None:
         """The turns of a plan of several, so that the later ones are not planned again."""
+        if not plan.then:
+            return
         turns = (plan.turn, *plan.then)
-        self._found += tuple(
-            Way(turn.scenario.start, REACH, turn.scenario.goal, end, turn)
-            for turn, end in zip(turns, (*(t.scenario.start for t in turns[1:]), _end(turns[-1])))
-            if isinstance(turn.scenario.start, StartOnEdge)
-            and isinstance(turn.scenario.goal, GoalOnEdge)
-            and isinstance(end, StartOnEdge)
-        )
+        ends = (*(turn.scenario.start for turn in plan.then), _end(turns[-1]))
+        for turn, end in zip(turns, ends):
+            start, goal = turn.scenario.start, turn.scenario.goal
+            known = isinstance(start, StartOnEdge) and isinstance(end, StartOnEdge)
+            if known and isinstance(goal, GoalOnEdge):
+                self._found += (Way(start, REACH, goal, end, turn),)
 
     def happened(self, plan_id: str, success: bool) -> None:
         """A plan was executed, and what was felt at its end was its goal, or was not."""
@@ -105,14 +106,15 @@ class LegPlanner:
         return known.after(self._runs).route(start, goal)
 
     def _by_way_of_others(
-        self, scenario: Scenario, ends: float, progress: Progress, reached: list[int]
-    ) -> tuple[Way, ...]:
-        """From face to face in either direction, until the goal can be reached from one; () when
-        it cannot, or when the time `ends`. The faces on the way go into `reached`.
+        self, scenario: Scenario, ends: float, progress: Progress
+    ) -> tuple[tuple[Way, ...], list[int]]:
+        """From face to face in either direction, until the goal can be reached from one: (route,
+        faces on the way that were reached). No route, (), when it cannot, or when the time `ends`.
         """
+        reached: list[int] = []
         start, goal, polygon = scenario.start, scenario.goal, scenario.object.polygon
         if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
-            return ()
+            return (), reached
         for direction in (CCW, CW):
             route: tuple[Way, ...] = ()
             place, face = start, next_face(polygon, start.edge, direction)
@@ -126,9 +128,9 @@ class LegPlanner:
                 reached.append(face)
                 last = self._way(scenario, place, goal, ends)
                 if last is not None:
-                    return (*route, last)
+                    return (*route, last), reached
                 face = next_face(polygon, face, direction)
-        return ()
+        return (), reached
 
     def _way(
         self, scenario: Scenario, place: StartOnEdge, goal: GoalOnEdge, ends: float
@@ -162,7 +164,7 @@ def _end(plan: ContactPlan) -> StartOnEdge | None:
     goal = plan.scenario.goal
     if not isinstance(goal, GoalOnEdge) or not plan.legs:
         return None
-    return StartOnEdge(goal.edge, float(plan.legs[-1].configurations[-1, 0]))
+    return StartOnEdge(goal.edge, float(plan.legs[-1].configurations[-1, X]))
 
 
 def _with_nearest(result: PlanResult, reached: list[int]) -> PlanResult:

@@ -78,7 +78,8 @@ class StateTree:
         self._pushed = 0
         # by cell, of routes that failed on the way to it
         self._refusals: Counter[tuple[int, ...]] = Counter()
-        self._losses: dict[object, float] = {self.cell(problem.start): 0.0}
+        self._cells = [self.cell(problem.start)]  # of the states
+        self._losses: dict[object, float] = {self._cells[0]: 0.0}
 
     @property
     def exhausted(self) -> bool:
@@ -102,7 +103,7 @@ class StateTree:
 
     def refuse(self, k: int) -> None:
         """A route failed on the way to state k: what goes on from its cell is tried later."""
-        self._refusals[self.cell(self.states[k].rest.q)] += 1
+        self._refusals[self._cells[k]] += 1
 
     def grow(self) -> int | None:
         """Do what is most promising; the place of a new state, or None when it came to nothing."""
@@ -122,7 +123,7 @@ class StateTree:
         """How many routes failed on the way to the cells of state k and of those before it."""
         if not self._refusals:
             return 0
-        return sum(self._refusals[self.cell(self.states[p].rest.q)] for p in self.places_to(k))
+        return sum(self._refusals[self._cells[p]] for p in self.places_to(k))
 
     def price_at(self, k: int, q: np.ndarray) -> float:
         """Of what leads from state k to q (5,)."""
@@ -154,6 +155,7 @@ class StateTree:
         self._losses[key] = belief.loss
         paid = planned.paid + LOSS_PRICE * (belief.loss - before.belief.loss)
         self.states.append(replace(planned, belief=belief, paid=paid))
+        self._cells.append(self.cell(planned.rest.q))
         if not planned.goal:
             self.open(len(self.states) - 1)
         return len(self.states) - 1

@@ -36,7 +36,7 @@ class Pursuit:
         self.scenario, self.first = scenario, first
         maps = MapStore(scenario) if options.maps else None
         self.planner = LegPlanner(options.request, maps)
-        if first is not None and first.plan is not None and first.plan.then:
+        if first is not None and first.plan is not None:
             self.planner.remember(first.plan)
 
     def plan(self, asked: Scenario) -> Leg | None:
