@@ -76,8 +76,9 @@ class LegPlanner:
         ends = (*(turn.scenario.start for turn in plan.then), _end(turns[-1]))
         for turn, end in zip(turns, ends):
             start, goal = turn.scenario.start, turn.scenario.goal
-            known = isinstance(start, StartOnEdge) and isinstance(end, StartOnEdge)
-            if known and isinstance(goal, GoalOnEdge):
+            if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
+                continue
+            if isinstance(end, StartOnEdge):
                 self._found += (Way(start, REACH, goal, end, turn),)
 
     def happened(self, plan_id: str, success: bool) -> None:
