@@ -28,8 +28,7 @@ LONG_SETTLE = 0.6  # [s] for a primitive that does not end at rest at once
 FLING_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
 FLING_TORQUES = (0.2, 1.0, 3.5)  # [N m]
 FLING_SPEED, FLING_SLEW = 5.0, 50.0  # [rad/s], [N m/s]
-# Factors by which flings beside one another differ
-FLING_STEPS = {'turn': 1.35, 'torque': 1.6, 'speed': 1.35}
+FLING_STEPS = 1.35, 1.6, 1.35  # factors of turn, torque and speed between flings beside one another
 FLING_WITHIN = 0.8  # [rad] of where the object may be released
 
 
@@ -67,11 +66,15 @@ def flings(problem: PlanningProblem, q: np.ndarray) -> list[MotionPrimitive]:
 
 def flings_beside(fling: MotionPrimitive) -> list[MotionPrimitive]:
     """Those with a little more and a little less of turn, torque or speed."""
-    return [
-        replace(fling, **{name: float(getattr(fling, name) * factor)})
-        for name, step in FLING_STEPS.items()
-        for factor in (step, 1.0 / step)
-    ]
+    beside = []
+    for sign in (1, -1):
+        turn, torque, speed = (step**sign for step in FLING_STEPS)
+        beside += [
+            replace(fling, turn=turn * fling.turn),
+            replace(fling, torque=torque * fling.torque),
+            replace(fling, speed=speed * fling.speed),
+        ]
+    return beside
 
 
 def stops_along(
