@@ -8,7 +8,8 @@ attempts; how the run would have ended after its first attempt is read off the s
 that is done: the same command goes on where it was interrupted, and OUT.md gets the table. A row of it: planned tasks, runs, the
 share at the goal, claims that are wrong either way, objects out of the hand, runs of which nothing is claimed, wrong edges
 among those felt, |felt x − true x| (median, 95 %), seconds that a probe takes, and runs at the goal before their first probe
-that were not after it (spoiled) and the other way round (mended). `--stop-outside` stops a run that leaves its band and feels, instead of
+that were not after it (spoiled) and the other way round (mended). Below it: what certificates promise against what came of one attempt,
+and what planning costs. `--stop-outside` stops a run that leaves its band and feels, instead of
 finishing it.
 """
 
@@ -47,13 +48,16 @@ Task = tuple[str, SuiteEntry]
 
 
 def measure(task: SuiteEntry, levels: list, draws: int, options: SuiteOptions) -> dict:
-    """One task, planned once: {task, planned, reason, runs: [...]}."""
+    """One task, planned once: {task, planned, reason, planning_s (of the processor), certificate, runs: [...]}."""
     told = {'task': task.name, 'planned': False, 'reason': '', 'runs': []}
     try:
         scenario = parse_scenario(task.scenario, task.name)
+        began = time.process_time()
         found = plan_and_verify(scenario, options.request)
+        told['planning_s'] = round(time.process_time() - began, 3)
         if found.trajectory is None:
             return {**told, 'reason': f'{found.plan.outcome}: {found.plan.reason}'}
+        told['certificate'] = found.plan.certificate.to_dict()
         for level in levels:
             asked = replace(options, perturb=level)
             for draw in range(draws if level else 1):
@@ -131,6 +135,36 @@ def table(rows: list) -> str:
         )  # fmt: skip
         lines.append('| ' + ' | '.join(map(str, shown)) + ' |')
     return '\n'.join(lines) + '\n'
+
+
+def calibration(tasks: list) -> str:
+    """Markdown: what the certificates promise of one attempt at their level against what came of it, by bound."""
+    runs = [
+        (task['certificate'], run['before_probe'])
+        for task in tasks
+        for run in task['runs']
+        if run['level'] == task['certificate']['level']
+    ]
+    bounds = np.array([certificate['lower_bound'] for certificate, _ in runs])
+    done = np.array([done for _, done in runs], float)
+    lines = ['| bound | runs | mean bound | at the goal |', '|---' * 4 + '|']
+    for low, high in ((0.8, 0.875), (0.875, 0.94), (0.94, 1.0), (0.0, 1.0)):
+        of = (low <= bounds) & (bounds < high)
+        if of.any():
+            told = f'{of.sum()} | {bounds[of].mean():.3f} | {done[of].mean():.3f}'
+            lines.append(f'| {low:g} to {high:g} | {told} |')
+    return '\n'.join(lines) + '\n'
+
+
+def costs(tasks: list) -> str:
+    """Processor seconds of planning: median and 95th percentile with a plan, and without one."""
+    with_plan, without = (
+        spread(t['planning_s'] for t in tasks if t['planned'] is told and 'planning_s' in t)
+        for told in (True, False)
+    )
+    return 'planning, s of the processor: {}, {} with a plan; {}, {} without\n'.format(
+        *with_plan, *without
+    )
 
 
 def rows_of(names: list, levels: list, attempts: int, done: list) -> list:
@@ -221,8 +255,9 @@ def main() -> None:
                 flush=True,
             )
     rows = rows_of([s.stem for s in options.suites], options.levels, options.attempts, done)
-    options.json.with_suffix('.md').write_text(table(rows))
-    print(table(rows))
+    told = '\n'.join((table(rows), calibration(done), costs(done)))
+    options.json.with_suffix('.md').write_text(told)
+    print(told)
 
 
 def _results(todo: list[Task], work, jobs: int):

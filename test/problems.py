@@ -75,6 +75,15 @@ LEANING = replace(
     ),
     goal=GoalOnEdge(1, CW),
 )
+# Turned by flings only; the shipped hand
+ROLLING = task(
+    [[0.0, 0.0], [0.04, 0.058], [0.027, 0.101], [-0.039, 0.127], [-0.07, 0.083], [-0.063, 0.032]],
+    5,
+    4,
+    x=0.07,
+    mass=0.377,
+    name='rolling',
+)
 FLAT_PALMS = {
     s.name: s for s in (ASYMMETRIC, REGULAR, SQUARE, QUADRILATERAL, PENTAGON, TALL, HEPTAGON)
 }

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, SQUARE, TALL, beliefs
+from problems import ASYMMETRIC, ROLLING, SQUARE, TALL, beliefs
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.mechanics.world import build_world
@@ -14,6 +14,7 @@ from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.planning.routes import SearchOptions
 from wholearm_ros.rollout.primitive_rollout import Rest, simulate_primitive
 from wholearm_ros.search.caging_ways import CagingWays
+from wholearm_ros.search.primitive_candidates import flings, flings_beside
 from wholearm_ros.search.primitive_ways import PrimitiveWays
 from wholearm_ros.search.state_routes import StateRoutes
 from wholearm_ros.trajectory.main_trajectory import generate
@@ -81,6 +82,22 @@ def test_a_primitive_that_does_not_end_at_rest_fits_no_scenario(routes):
     hasty = replace(found.legs[0], action={**found.legs[0].action, 'settle': 0.0, 'speed': 20.0})
     with pytest.raises(DocumentError, match='does not end at rest'):
         generate(found.scenario, replace(found, legs=(hasty, *found.legs[1:])))
+
+
+def test_of_the_flings_that_get_over_a_sure_one_is_taken():
+    """It is none of the coarse grid, and most of those beside it end as it does."""
+    routes = StateRoutes(ROLLING, OPTIONS, beliefs)
+    legs, world = routes.next_plan().legs, routes.problem.world
+    k = next(k for k, leg in enumerate(legs) if leg.action.get('speed', 0.0) > 2.0)
+    fling, start = MotionPrimitive.from_dict(legs[k].action), legs[k].configurations[0]
+    assert fling not in flings(routes.problem, start)
+    rest = Rest(start, world.finger_moment * np.cos(start[3:]))
+    landing = legs[k].configurations[-1, 2]
+    ends = [
+        simulate_primitive(world, rest, beside).configurations[-1, 2]
+        for beside in (fling, *flings_beside(fling))
+    ]
+    assert np.sum(np.abs(np.array(ends) - landing) < 0.2) >= 5
 
 
 def test_a_limit_of_moves_is_kept_and_reported():

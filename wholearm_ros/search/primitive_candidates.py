@@ -6,7 +6,7 @@ momentum carries the object over configurations that no torque holds.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -28,6 +28,7 @@ LONG_SETTLE = 0.6  # [s] for a primitive that does not end at rest at once
 FLING_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
 FLING_TORQUES = (0.2, 1.0, 3.5)  # [N m]
 FLING_SPEED, FLING_SLEW = 5.0, 50.0  # [rad/s], [N m/s]
+FLING_STEPS = 1.35, 1.6, 1.35  # factors of turn, torque and speed between flings beside one another
 FLING_WITHIN = 0.8  # [rad] of where the object may be released
 
 
@@ -61,6 +62,19 @@ def flings(problem: PlanningProblem, q: np.ndarray) -> list[MotionPrimitive]:
         MotionPrimitive(side, turn, torque, FLING_SPEED, LONG_SETTLE, FLING_SLEW)
         for side, turn, torque in product((LEFT, RIGHT), FLING_TURNS, FLING_TORQUES)
     ]
+
+
+def flings_beside(fling: MotionPrimitive) -> list[MotionPrimitive]:
+    """Those with a little more and a little less of turn, torque or speed."""
+    beside = []
+    for sign in (1, -1):
+        turn, torque, speed = (step**sign for step in FLING_STEPS)
+        beside += [
+            replace(fling, turn=turn * fling.turn),
+            replace(fling, torque=torque * fling.torque),
+            replace(fling, speed=speed * fling.speed),
+        ]
+    return beside
 
 
 def stops_along(

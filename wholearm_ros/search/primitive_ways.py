@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from wholearm_ros.model.configuration import POSE
+from wholearm_ros.model.configuration import POSE, ROTATION
 from wholearm_ros.model.modes import DYNAMIC
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import Leg
@@ -19,6 +19,7 @@ from wholearm_ros.search.primitive_candidates import (
     STYLES,
     Style,
     flings,
+    flings_beside,
     stops_along,
     sweeps,
 )
@@ -28,7 +29,11 @@ from wholearm_ros.search.ways import way_of_primitive
 # Prices, against a radian of the rotation that is left
 PRIMITIVE_PRICE = 0.06
 STYLE_PRICE = 0.3  # of every further style of sweeps
+DOUBT_PRICE = 0.1  # of a fling beside which no other one succeeds
 SIBLING_PRICE = 0.1  # of every other stop along the same sweep that came to nothing
+FLING_ROUNDS = 3  # of flings beside those that came nearest to the top so far,
+FLING_SEEDS = 3  # which are so many,
+FLING_NEAR = 0.2  # [rad] if they came that near
 
 
 @dataclass
@@ -59,12 +64,42 @@ class PrimitiveWays:
             sweep = Sweep()
             for stop, q in stops_along(problem, rest, move, record):
                 self._push(k, stop, q, later, sweep)
-        quick = flings(problem, rest.q) if style is STYLES[0] else []
-        for fling, record in zip(quick, self._simulate(rest, quick)):
-            q = record.configurations[-1]
-            past_the_top = record.at_rest and problem.rotation_left(q) < 0.0
-            if past_the_top and not problem.hopeless(q):
-                self._push(k, fling, q, later, Sweep())
+        if style is STYLES[0]:
+            self._fling(k, later)
+
+    def _fling(self, k: int, later: float) -> None:
+        """Flings from state k that carry the object over the top, the surest first: those beside
+        which most others do.
+        """
+        rest, sweep = self.tree.states[k].rest, Sweep()
+        tried: dict[MotionPrimitive, PrimitiveRecord] = {}
+        fresh = flings(self.tree.problem, rest.q)
+        for _ in range(FLING_ROUNDS):
+            tried.update(zip(fresh, self._simulate(rest, fresh)))
+            near = sorted(tried, key=lambda fling: self._missing(tried[fling]))[:FLING_SEEDS]
+            fresh = [
+                beside
+                for fling in near
+                if self._missing(tried[fling]) < FLING_NEAR
+                for beside in flings_beside(fling)
+                if beside not in tried
+            ]
+        over = [fling for fling, record in tried.items() if self._missing(record) < 0.0]
+        for fling in over:
+            beside = flings_beside(fling)
+            doubt = 1.0 - sum(other in over for other in beside) / len(beside)
+            q = tried[fling].configurations[-1]
+            self._push(k, fling, q, later + DOUBT_PRICE * doubt, sweep)
+
+    def _missing(self, record: PrimitiveRecord) -> float:
+        """How far from the top of the last cage a fling remained [rad], negative if the object came
+        to rest beyond it.
+        """
+        problem, end = self.tree.problem, record.configurations[-1]
+        if record.at_rest and problem.rotation_left(end) < 0.0 and not problem.hopeless(end):
+            return -1.0
+        peak = record.configurations[np.argmax(record.configurations[:, ROTATION])]
+        return max(0.0, problem.rotation_left(peak))
 
     def _push(
         self, k: int, move: MotionPrimitive, q: np.ndarray, later: float, sweep: Sweep

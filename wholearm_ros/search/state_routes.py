@@ -34,6 +34,7 @@ from wholearm_ros.search.state_tree import State
 from wholearm_ros.search.ways import Way
 
 GOOD_LOSS = 0.2  # of a goal that is given as soon as it is found
+GIVEN_UP = 10  # routes that failed on the way to a goal with more loss, which is then not given
 REPORT_EVERY = 1000  # simulations
 FIVE = 5  # contacts of a Y
 NO_LIMIT = 10**9
@@ -104,6 +105,7 @@ class StateRoutes(Routes):
             if tree.states[k].belief.loss <= GOOD_LOSS:
                 return k
             self._poor.append(k)
+        self._poor = [k for k in self._poor if tree.refusals(tree.states[k].parent) < GIVEN_UP]
         if not self._poor:
             return None
         self._poor.sort(key=lambda k: -tree.states[k].belief.loss)

@@ -18,7 +18,7 @@ from wholearm_ros.search.arcs import TOUCHING, Arcs
 from wholearm_ros.search.belief import Belief, Passage, Samples
 from wholearm_ros.search.ways import Way
 
-CELL = np.array([0.1, 0.1, 0.06, 0.12, 0.12])  # in scaled coordinates; states in one cell are one
+CELL = np.array([0.15, 0.15, 0.06, 0.18, 0.18])  # in scaled coordinates; states in one cell are one
 EXPANSIONS = 400  # in the graph of arcs of every state but the start
 REFUSAL_PRICE = 0.3  # [rad] of the rotation that is left, against a route that failed on the way
 LOSS_PRICE = 1.0  # [rad] of the rotation that is left, against the loss of all samples
@@ -98,17 +98,23 @@ class StateTree:
 
     def push(self, k: int, price: float, work: Callable[[], int | None]) -> None:
         """Queue something from state k on that gives the place of a new state, or None."""
-        refused = self._refused(k)
+        refused = self.refusals(k)
         self._push(price + REFUSAL_PRICE * refused, _Attempt(k, work, refused))
 
     def refuse(self, k: int) -> None:
         """A route failed on the way to state k: what goes on from its cell is tried later."""
         self._refusals[self._cells[k]] += 1
 
+    def refusals(self, k: int) -> int:
+        """How many routes failed on the way to the cells of state k and of those before it."""
+        if not self._refusals:
+            return 0
+        return sum(self._refusals[self._cells[p]] for p in self.places_to(k))
+
     def grow(self) -> int | None:
         """Do what is most promising; the place of a new state, or None when it came to nothing."""
         price, _, attempt = heapq.heappop(self._queue)
-        refused = self._refused(attempt.k)
+        refused = self.refusals(attempt.k)
         if refused > attempt.refused:
             later = REFUSAL_PRICE * (refused - attempt.refused)
             self._push(price + later, replace(attempt, refused=refused))
@@ -118,12 +124,6 @@ class StateTree:
     def _push(self, price: float, attempt: '_Attempt') -> None:
         self._pushed += 1
         heapq.heappush(self._queue, (price, self._pushed, attempt))
-
-    def _refused(self, k: int) -> int:
-        """How many routes failed on the way to the cells of state k and of those before it."""
-        if not self._refusals:
-            return 0
-        return sum(self._refusals[self._cells[p]] for p in self.places_to(k))
 
     def price_at(self, k: int, q: np.ndarray) -> float:
         """Of what leads from state k to q (5,)."""
