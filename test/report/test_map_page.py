@@ -9,10 +9,10 @@ from matplotlib.colors import to_hex
 from wholearm_ros.model.certificate import certificate
 from wholearm_ros.model.scenario import CCW, GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
-from wholearm_ros.planner.face_map import FORMAT, FaceMap, Way
+from wholearm_ros.planner.face_map import FORMAT, FaceMap, Turn, Way
 from wholearm_ros.planning.routes import plan
 from wholearm_ros.report.bag_run import RecordedRuns
-from wholearm_ros.report.figures.map_figure import FAINT, Turn, draw_route
+from wholearm_ros.report.figures.map_figure import FAINT, draw_route
 from wholearm_ros.report.html.attempts_page import attempts_page, turn_of
 from wholearm_ros.report.html.map_page import map_page
 

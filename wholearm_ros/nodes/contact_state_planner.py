@@ -44,6 +44,7 @@ from wholearm_ros.ros.interface.messages import (
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.node import OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
+from wholearm_ros.ros.visualization.markers import map_markers
 
 DECLARED = (
     replace(SCENARIO, read_only=False),
@@ -124,6 +125,7 @@ class ContactStatePlanner(WholeArmNode):
         self.published: tuple[object, ...] = ()
         self.legs = LegPlanner(PlanRequest())
         self.face_map = self.publisher(channels.FACE_MAP)
+        self.markers = self.publisher(channels.MARKERS)
         self.subscription(channels.RESULT, self.on_result)
         self.contact_plan = self.publisher(channels.CONTACT_PLAN)
         self.status = self.publisher(channels.PLANNER_STATUS)
@@ -253,6 +255,7 @@ class ContactStatePlanner(WholeArmNode):
             self.published = told
             document = {**found.to_dict(scenario.name), 'making': making}
             self.face_map.publish(String(data=json.dumps(document)))
+            self.markers.publish(map_markers(scenario, found))
 
     def leave(self) -> None:
         """A map that is not finished goes on the next time."""

@@ -3,20 +3,20 @@ turn can be made.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
-from wholearm_ros.model.polygon import Polygon, rotated
+from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import CCW, CW, Scenario
-from wholearm_ros.planner.face_map import FaceMap, Refused, Way
+from wholearm_ros.planner.face_map import FaceMap, Refused, Turn, Way
 from wholearm_ros.report.figures.canvas import new_figure
 from wholearm_ros.report.figures.palette import INK, OBJECT, OBJECT_EDGE, SIDE_COLOURS
+from wholearm_ros.report.figures.ring import outline_on_ring, ring_of_faces
 
-RING, SHAPE = 1.0, 0.26  # radius of the ring, and size of an object drawn on it
 TURN_COLOURS = {CCW: SIDE_COLOURS[0], CW: SIDE_COLOURS[1]}
 NO_PLAN = '#e8e8e8'
 THICKEST = 6.0  # [pt] of an arrow that always succeeds
@@ -25,20 +25,12 @@ FAINT = '#9a9a9a'  # of what could have been done
 BENT = 0.22  # of an arrow: how far from straight, over its length
 
 
-class Turn(NamedTuple):
-    """From one face to another one, ccw or cw."""
-
-    start: int
-    end: int
-    direction: str
-
-
 def draw_map(scenario: Scenario, face_map: FaceMap) -> Figure:
     """Left the ring, right the places at which the turns begin."""
     figure = new_figure(11.0, 5.4)
     ring = figure.add_axes((0.01, 0.02, 0.46, 0.9), aspect='equal')
     centres = _draw_faces(ring, scenario.object.polygon)
-    for turn, way in _best_turns(face_map).items():
+    for turn, way in face_map.best_turns().items():
         ring.add_patch(_arrow(centres, turn, _thickness(way.success_rate)))
     ring.set_title('turns from face to face: the thicker, the surer', fontsize=9, color=INK)
     places = figure.add_axes((0.56, 0.12, 0.42, 0.72))
@@ -75,18 +67,11 @@ def _beside(centres: dict[int, np.ndarray], turn: Turn) -> tuple[float, float]:
 
 def _draw_faces(axes: Any, polygon: Polygon) -> dict[int, np.ndarray]:
     """The object on each of its faces, in a ring; where, by face."""
-    order = sorted(polygon.resting_edges, key=polygon.resting_angle)
-    angles = {face: 2 * np.pi * k / len(order) + np.pi / 2 for k, face in enumerate(order)}
-    centres = {face: RING * np.array([np.cos(a), np.sin(a)]) for face, a in angles.items()}
-    scale = SHAPE / np.linalg.norm(polygon.vertices_about_centroid, axis=1).max()
-    shapes = [
-        centres[face]
-        + scale * rotated(polygon.vertices_about_centroid, polygon.resting_angle(face))
-        for face in order
-    ]
+    centres = ring_of_faces(polygon)
+    shapes = [centre + outline_on_ring(polygon, face) for face, centre in centres.items()]
     axes.add_collection(PolyCollection(shapes, facecolors=OBJECT, edgecolors=OBJECT_EDGE, zorder=3))
-    for face in order:
-        axes.text(*centres[face], str(face), ha='center', va='center', color=INK, zorder=4)
+    for face, (x, y) in centres.items():
+        axes.text(x, y, str(face), ha='center', va='center', color=INK, zorder=4)
     axes.set(xlim=(-1.45, 1.45), ylim=(-1.4, 1.4))
     axes.axis('off')
     return centres
@@ -112,18 +97,6 @@ def _arrow(
         color=colour or TURN_COLOURS[turn.direction],
         alpha=0.85,
     )
-
-
-def _best_turns(face_map: FaceMap) -> dict[Turn, Way]:
-    """The surest of all places."""
-    best: dict[Turn, Way] = {}
-    for way in face_map.ways:
-        if way.goal.direction is None:
-            continue
-        key = Turn(way.start.edge, way.goal.edge, way.goal.direction)
-        if key not in best or way.success_rate > best[key].success_rate:
-            best[key] = way
-    return best
 
 
 def _draw_places(axes: Any, face_map: FaceMap) -> None:

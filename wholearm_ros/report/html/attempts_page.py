@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from wholearm_ros.model.outcomes import SUCCEEDED
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
+from wholearm_ros.planner.face_map import Turn
 from wholearm_ros.report.bag_run import RecordedRuns, Told
-from wholearm_ros.report.figures.map_figure import Turn, draw_route
+from wholearm_ros.report.figures.map_figure import draw_route
 from wholearm_ros.report.html.figure import figure_in_page
 from wholearm_ros.report.html.page import asset, page
 from wholearm_ros.report.html.run_page import run_page
