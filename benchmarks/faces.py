@@ -1,12 +1,13 @@
 """Any face to any face: maps of random polygons, and sequences of faces that one hand lays them on.
 
-    python benchmarks/faces.py [--polygons 12] [--seed 1] [--sequences 2] [--faces 6] [--levels 1 2] [--attempts 4]
-                               [--range 0.03] [--jobs 2] [--json OUT]
+    python benchmarks/faces.py [--polygons 12] [--seed 1] [--sequences 2] [--faces 6] [--unknown 2] [--levels 1 2]
+                               [--attempts 4] [--range 0.03] [--time-budget 60] [--jobs 2] [--json OUT]
 
 For each polygon the map is made (kept where `wholearm map` keeps it), then sequences of random faces, each another one
-than the one before, are executed in PyBullet from a random face and place. Told: ordered pairs of faces with a
-route, time of the map and of an answer, faces reached of those asked and of those that the map says can be reached from
-where the object lay, objects lost, claims that were wrong.
+than the one before, are executed in PyBullet from a random face and place. Then `--unknown` times the object lies on any face,
+anywhere within the range; nobody is told, so the hand feels first, and turns it to another random face. Told: ordered pairs
+of faces with a route, time of the map and of an answer, faces reached of those asked and of those that the map says can be
+reached from where the object lay, objects lost, claims that were wrong.
 """
 
 import argparse
@@ -18,11 +19,16 @@ from pathlib import Path
 import numpy as np
 from make_suite import CORNERS, random_task
 
+from wholearm_ros.errors import ScenarioError
+from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.model.scenario import GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planner.legs import LegPlanner, leg_of
 from wholearm_ros.planner.map_making import MapOptions, slides_to_try, turns_to_try
 from wholearm_ros.planner.map_store import MapStore
+from wholearm_ros.planner.request import PlanRequest
+from wholearm_ros.simulation.outcome import outcome
+from wholearm_ros.suite.execution import execute
 from wholearm_ros.suite.map_work import try_ways
 from wholearm_ros.suite.sequence import run_sequence
 from wholearm_ros.suite.suite_options import SuiteOptions
@@ -78,6 +84,40 @@ def run_sequences(scenario, rng, options, count: int, length: int) -> list:
     return told
 
 
+def run_unknown(scenario, rng, options, half_range: float, count: int) -> list:
+    """Runs from starts that are not told, each with where the object lay and what the first probe said of it."""
+    face_map, told = MapStore(scenario).load(), []
+    pairs = {(s.edge, face) for s, face, _ in face_map.all_pairs()}
+    for draw in range(count):
+        begun = unknown_start(scenario, rng, face_map.faces, half_range)
+        made = execute(begun, None, options, draw, scenario.name).attempts
+        claim = made.motions[0].claim
+        told.append(
+            {
+                'edge': begun.goal.edge,
+                'start': vars(begun.start),
+                'felt_at_start': claim.edge if claim.sure else None,
+                'known': (begun.start.edge, begun.goal.edge) in pairs,
+                'executed': outcome(begun, made.last).executed,
+                **made.to_dict(),
+            }
+        )
+    return told
+
+
+def unknown_start(scenario, rng, faces, half_range: float):
+    """The scenario from anywhere on a random face, to be felt, to another random face."""
+    while True:
+        start, goal = (int(face) for face in rng.choice(faces, 2, replace=False))
+        x = round(float(rng.uniform(-half_range, half_range)), 4)
+        begun = replace(scenario, start=StartOnEdge(start, x, felt=True), goal=GoalOnEdge(goal))
+        try:
+            start_configuration(begun)
+            return begun
+        except ScenarioError:  # hand or palm do not allow it there
+            continue
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -86,9 +126,11 @@ def main():
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--sequences', type=int, default=2)
     parser.add_argument('--faces', type=int, default=6)
+    parser.add_argument('--unknown', type=int, default=2)
     parser.add_argument('--levels', type=float, nargs='*', default=[1.0, 2.0])
     parser.add_argument('--attempts', type=int, default=4)
     parser.add_argument('--range', type=float, default=MapOptions.half_range)
+    parser.add_argument('--time-budget', type=float, default=MapOptions().request.time_budget)
     parser.add_argument('--jobs', type=int, default=2)
     parser.add_argument('--json', type=Path)
     args = parser.parse_args()
@@ -96,19 +138,21 @@ def main():
     for k in range(args.polygons):
         corners = CORNERS[k % len(CORNERS)]
         scenario = parse_scenario(random_task(rng, corners, f'{args.seed}-{k:02}-{corners}gon'))
-        one = {
-            'name': scenario.name,
-            **make_map(scenario, MapOptions(half_range=args.range), args.jobs),
-        }
+        request = PlanRequest(time_budget=args.time_budget)
+        map_options = MapOptions(request, half_range=args.range)
+        one = {'name': scenario.name, **make_map(scenario, map_options, args.jobs)}
         for level in args.levels:
-            options = SuiteOptions(perturb=level, attempts=args.attempts)
+            options = SuiteOptions(request, perturb=level, attempts=args.attempts)
             draws = np.random.default_rng([args.seed, k])
             one[f'level {level:g}'] = run_sequences(
                 scenario, draws, options, args.sequences, args.faces
             )
+            one[f'unknown, level {level:g}'] = run_unknown(
+                scenario, draws, options, args.range, args.unknown
+            )
         made.append(one)
         print(
-            json.dumps({key: v for key, v in one.items() if not key.startswith('level')}),
+            json.dumps({key: v for key, v in one.items() if 'level ' not in key}),
             flush=True,
         )
         if args.json:
@@ -116,6 +160,14 @@ def main():
         for level in args.levels:
             faces = [one for m in made for sequence in m[f'level {level:g}'] for one in sequence]
             print(f'  level {level:g}: {tell(faces)}', flush=True)
+            unknown = [one for m in made for one in m[f'unknown, level {level:g}']]
+            right = sum(one['felt_at_start'] == one['start']['edge'] for one in unknown)
+            wrong = sum(one['felt_at_start'] not in (None, one['start']['edge']) for one in unknown)
+            print(
+                f'  level {level:g}, start not told: {right} of {len(unknown)} found, {wrong} felt wrongly; '
+                f'{tell(unknown)}',
+                flush=True,
+            )
 
 
 def tell(faces: list) -> str:

@@ -160,6 +160,32 @@ def test_an_object_that_friction_would_tip_is_led_on_between_both_fingers(hexago
         assert (CLOSING[LEFT] * (probe.places - ends[LEFT]) > -1e-9).all()
 
 
+@pytest.mark.parametrize(
+    ('outline', 'mass', 'edge', 'held', 'ends'),
+    [
+        # One of its edges hardly carries it: wherever that is squeezed, it would tip.
+        (
+            [[0, 0], [17, -36], [63, -56], [103, -45], [117, -12], [100, 39], [70, 66], [37, 47]],
+            0.241, 1, RIGHT, (1.335, 2.229),
+        ),
+        # At the end of the palm, where the other finger must give way twice as fast.
+        (
+            [[0, 0], [-48, -33], [-64, -88], [-36, -122], [16, -116], [56, -85], [41, -32]],
+            0.382, 1, LEFT, (2.546, 2.695),
+        ),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize('again', [False, True])
+def test_what_may_tip_otherwise_is_felt_gently(hexagon, outline, mass, edge, held, ends, again):
+    shape = ManipulatedObject(Polygon(1e-3 * np.array(outline)), mass)
+    feeler = Feeler(replace(hexagon, object=shape))
+    place = [h.edge for h in feeler.hypotheses].index(edge)
+    probe = plan_probe(feeler.model, feeler.hypotheses, place, held, np.array(ends), again=again)
+    assert len(probe.places) > 1 and probe.acceleration < 3.0
+    felt = feeler.feel(probe, pairs_of(feeler.model.scenario, probe, edge))
+    assert felt.best.edges == (edge,) and felt.best.probability > 0.9
+
+
 def test_where_only_one_place_is_safe_nothing_is_told_and_why_is_said(hexagon):
     feeler = Feeler(hexagon)
     probe = probe_of(feeler, 5)

@@ -1,14 +1,22 @@
 """Every node ends by a signal in each phase of its life: exit code 0, in time, without a traceback."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from ros_graph import WAIT
 
+from wholearm_ros.launcher.map_maker import POLITE
+from wholearm_ros.model.scenario import CCW, GoalOnEdge, StartOnEdge
+from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.planner.face_map import Refused
+from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.ros.interface import channels
 
 WITHIN = 3.0  # [s]
@@ -79,3 +87,29 @@ def test_a_planner_that_plans_ends_by_a_signal(graph, number):
     client.call_async(service.type.Request())
     graph.wait(lambda: any(m.message.startswith('planning') for m in said), 'planning')
     ended(process, number)
+
+
+def test_a_planner_that_makes_a_map_publishes_it_and_ends_with_what_it_started(graph, tmp_path):
+    scenario = load_scenario('asymmetric_hexagon')
+    maps = graph.listen(channels.FACE_MAP)
+    process = started(
+        'contact_state_planner',
+        'map_jobs:=1',
+        WHOLEARM_MAPS=str(tmp_path),
+    )
+
+    graph.wait(lambda: maps and json.loads(maps[-1].data)['making'], 'a map', WAIT)
+    (child,) = Path(f'/proc/{process.pid}/task/{process.pid}/children').read_text().split()
+    assert os.getpriority(os.PRIO_PROCESS, int(child)) == POLITE
+    start, goal = StartOnEdge(0, 0.0), GoalOnEdge(1, CCW)
+    found = Refused(start, goal, 'as another process would keep it')
+    MapStore(scenario, tmp_path).save(replace(scenario, start=start, goal=goal), found)
+    graph.wait(lambda: found.to_dict() in json.loads(maps[-1].data)['refused'], 'what was found')
+    ended(process, signal.SIGINT)
+    assert _state(child) in ('', 'Z')
+
+
+def _state(pid):
+    """The letter of a process's state, '' when it is gone."""
+    stat = Path(f'/proc/{pid}/stat')
+    return stat.read_text().rpartition(')')[2].split()[0] if stat.exists() else ''

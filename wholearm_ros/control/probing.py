@@ -16,7 +16,6 @@ from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.interpolation import fade, rise
 from wholearm_ros.model.probe import Probe
 
-ACCELERATION = 3.0  # [rad/s²] of the held finger at most: what it pushes must not run ahead of it
 # Greatest acceleration of a fifth-order move from rest to rest, over its way and time.
 PEAK = 5.7735
 SHORTEST = 0.12  # [s] of one of its moves
@@ -40,8 +39,8 @@ Reading = tuple[float, np.ndarray]  # time [s], angles (2,) [rad]
 
 @dataclass(frozen=True)
 class Phase:
-    """One move: the held finger goes to `angle` [rad] in `duration` [s], the closing one opens or
-    closes meanwhile; ends at rest. measured: whether the pair of angles is read then.
+    """One move: the held finger goes to `angle` [rad] in `duration` [s], the closing one opens, or
+    closes meanwhile and ends at rest. measured: whether the pair of angles is read then.
     """
 
     angle: float
@@ -91,13 +90,19 @@ class Probing:
         opened = found - CLOSING[held] * float(probe.opened[held])
         phases = [Phase(found, RELEASE, False, False)]
         if probe.opened.any():
-            phases += [Phase(a, _time(opened, found), False, False) for a in (opened, found)]
+            time = self._time(opened, found)
+            phases += [Phase(angle, time, False, False) for angle in (opened, found)]
             phases += [Phase(found, SHORTEST, True, False)]
         first, *others = map(float, probe.places)
-        phases += [Phase(first, _slow_time(found, first), True, True)]
+        slowly = max(self._time(found, first), PEAK_SPEED * abs(first - found) / AWAY_SPEED)
+        phases += [Phase(first, slowly, True, True)]
         ways = pairwise([first, *others])
-        phases += [Phase(place, _time(before, place), True, True) for before, place in ways]
+        phases += [Phase(place, self._time(before, place), True, True) for before, place in ways]
         return tuple(phases)
+
+    def _time(self, start: float, end: float) -> float:
+        """[s] of the held finger's move between two angles [rad]."""
+        return max(SHORTEST, float(np.sqrt(PEAK * abs(end - start) / self.probe.acceleration)))
 
     def step(
         self, state: ProbingState, now: float, joints: Joints
@@ -120,7 +125,8 @@ class Probing:
         phase, elapsed = state.phases[state.phase], now - state.phase_began
         if elapsed < phase.duration:
             return state
-        if not (_at_rest(state.readings, now) or elapsed > phase.duration + LONGEST_WAIT):
+        waits = phase.closes and elapsed < phase.duration + LONGEST_WAIT
+        if waits and not _at_rest(state.readings, now):
             return state
         pairs = state.pairs
         if phase.measured:
@@ -177,13 +183,3 @@ def _mean(readings: tuple[Reading, ...], after: float, until: float) -> np.ndarr
     """(2,) [rad] mean angles in (after, until]; NaN where there are none."""
     within = [angles for t, angles in readings if after < t <= until]
     return np.mean(within, axis=0) if within else np.full(2, np.nan)
-
-
-def _time(start: float, end: float) -> float:
-    """[s] of a move between two angles [rad]."""
-    return max(SHORTEST, float(np.sqrt(PEAK * abs(end - start) / ACCELERATION)))
-
-
-def _slow_time(start: float, end: float) -> float:
-    """[s] the same, at AWAY_SPEED at most."""
-    return max(_time(start, end), PEAK_SPEED * abs(end - start) / AWAY_SPEED)

@@ -153,7 +153,7 @@ class Feeler:
         closing = pairs[:, probe.closing]
         if abs(closing[-1] - probe.stops[probe.closing]) < AT_STOP:
             return Felt(NOTHING, pairs=told)
-        both = squeezed(probe, pairs)
+        both = gave_way(probe.closing, closing)
         both[-1] = True
         squeezes = Squeezes(probe.held, pairs[both])
         felt = self._felt((squeezes,))
@@ -200,14 +200,14 @@ class Feeler:
         return Candidate(edges, segment, *x, fit.residual, fit.misfit, probability)
 
 
-def squeezed(probe: Probe, pairs: np.ndarray) -> np.ndarray:
-    """(k,) bool: pairs at which both fingers touch: the closing one has given way to the held one's
-    moves.
+def gave_way(closing: int, angles: np.ndarray) -> np.ndarray:
+    """(k,) bool: places at which the closing finger, at angles (k,) [rad] one after the other, has
+    given way to the held one's moves: there both fingers touch.
 
     Where it did not, friction may hold the object away from the held finger.
     """
-    closing = -CLOSING[probe.closing] * pairs[:, probe.closing]
-    return closing - np.minimum.accumulate(closing) > PUSHED
+    opening = -CLOSING[closing] * angles
+    return np.asarray(opening - np.minimum.accumulate(opening) > PUSHED)
 
 
 @dataclass(frozen=True, eq=False)

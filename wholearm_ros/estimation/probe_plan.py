@@ -2,21 +2,24 @@
 that nothing tips.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from wholearm_ros.errors import SolverError
-from wholearm_ros.estimation.feel import Feeler, derivatives_by_zeros, pairs_covariance
+from wholearm_ros.estimation.feel import (
+    FEWEST,
+    Feeler,
+    derivatives_by_zeros,
+    gave_way,
+    pairs_covariance,
+)
 from wholearm_ros.estimation.hypotheses import alike
 from wholearm_ros.estimation.squeeze import Resting, SqueezeModel
-from wholearm_ros.kernels import geometry
-from wholearm_ros.mechanics.contacts import gap_table
-from wholearm_ros.mechanics.quasistatic import QuasiStatics, build_quasistatics
-from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
-from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
+from wholearm_ros.estimation.tipping import DOUBT, NO_DOUBT, tipping_torque
+from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import GoalOnEdge
 from wholearm_ros.model.trajectory import ManipulationTrajectory
@@ -31,131 +34,27 @@ SEPARATED = 60.0  # χ² between what is expected and the next best that is enou
 ENOUGH = (True, SEPARATED)
 GRID = 0.05  # [rad] between the angles that are looked at
 STRONGEST, WEAKEST = 0.08, 0.03  # [N m] of the closing finger
-SAFETY = 2.0  # torque that would tip the object over the torque that is used
-# [N m] of the closing finger, for each radian that it turns while the held one turns by one: what
-# its inertia and its damping add to its torque when it gives way as fast as it is led.
-SWING = 0.04
+SAFETY = 1.25  # torque that would tip the object over the torque that is used
+# [N m] that the closing finger's inertia and damping add to its torque for each rad/s² of the held
+# one's acceleration, and each radian that it must turn while the held one turns by one.
+SWING = 0.0133
 OPENED = 0.12  # [rad] that both fingers open before they close
 REACH = 0.35  # [rad] from its closed limit at which the closing finger must have met the object
 STOP_MARGIN = 0.01  # [rad] inside of the closed limit at which a finger is stopped
-TOUCHING = 1e-6  # [m]
-
-
-class Doubt(NamedTuple):
-    """outline [m]: by which either end of the edge that carries the object may be nearer to the
-    centroid than is believed; friction: coefficient of what slides.
-    """
-
-    outline: float
-    friction: float
-
-
-NO_DOUBT = Doubt(0.0, 0.0)
-DOUBT = Doubt(0.001, 0.10)  # as at perturbation level 2
 # [rad] from an edge's rotation within which a planned last pose lies on that edge.
 LYING_ANGLE = 0.15
 
 
-def tipping_torque(
-    model: SqueezeModel,
-    resting: Resting,
-    held: int,
-    slide: float,
-    theta: float,
-    angle: float,
-    doubt: Doubt = NO_DOUBT,
-    alone: bool = True,
-) -> float:
-    """[N m] of the closing finger, beyond its own weight, above which the squeezed object leaves
-    the palm with a vertex.
-
-    doubt: how far object and hand may be from what is believed; alone: whether the closing finger
-    pushes the object to the held one by itself, which then stops it. Zero where no torque at all
-    can press it so.
+class Caution(NamedTuple):
+    """acceleration [rad/s²] of the held finger at most: what it pushes must not run ahead of it;
+    others: whether what lies otherwise than expected must not tip, either.
     """
-    q = np.array([*resting.pose_at(slide), 0.0, 0.0])
-    q[3 + held], q[4 - held] = theta, angle
-    n = len(model.world.obj)
-    palm = [
-        int(geometry.pair_code(geometry.VERTEX_EDGE, geometry.PALM, resting.segment, k))
-        for k in (resting.edge, (resting.edge + 1) % n)
-    ]
-    gaps, codes = gap_table(model.world, q)
-    fingers = [
-        [
-            int(c)
-            for c, gap in zip(codes, gaps)
-            if geometry.pair_body(c) == body and abs(gap) < TOUCHING
-        ]
-        for body in (1, 2)
-    ]
-    closing, least = 1 - held, np.inf
-    pushing = (LEFT, RIGHT) if alone else (held,)
-    for pair in product(*fingers):
-        statics = _narrowed(build_quasistatics(model.world, (*palm, *pair), q), doubt.outline)
-        if not all(_slides(statics, 2 + side, resting, doubt.friction) for side in pushing):
-            return 0.0
-        try:
-            answer = solve_torque_range(
-                build_torque_range(statics, closing, model.world.torque_limits)
-            )
-        except (SolverError, np.linalg.LinAlgError):
-            return 0.0
-        weight = float(statics.g_h[closing])
-        ends = [CLOSING[closing] * (end - weight) for end in (answer.low, answer.high)]
-        if answer.empty or min(ends) > WEAKEST / SAFETY:
-            return 0.0
-        least = min(least, max(ends))
-        if alone:
-            least = min(least, _sliding_torque(statics, 2 + closing, closing, resting))
-    return float(least) if np.isfinite(least) else 0.0
+
+    acceleration: float
+    others: bool
 
 
-def _narrowed(statics: QuasiStatics, outline: float) -> QuasiStatics:
-    """With both palm contacts (the first two) nearer to each other by `outline` [m] each."""
-    wrenches = statics.G_n.copy()
-    wrenches[2, :2] -= outline * np.sign(wrenches[2, :2] - wrenches[2, :2].mean())
-    return replace(statics, G_n=wrenches)
-
-
-def _slides(statics: QuasiStatics, contact: int, resting: Resting, friction: float) -> bool:
-    """Whether an object slides along the palm, and does not tip, when that finger alone pushes it
-    slowly.
-    """
-    along = resting.along
-    axes = np.vstack([along, [-along[1], along[0]]])
-    rows = np.vstack([axes @ statics.G_n[:2], statics.G_n[2]])[:, [0, 1, contact]]
-    load = np.array([*(axes @ statics.g_O[:2]), statics.g_O[2]])
-    drag = -friction * np.sign(rows[0, 2])
-    rows[0, :2] += drag
-    rows[2, :2] += drag * resting.height
-    try:
-        forces = np.linalg.solve(rows, -load)
-    except np.linalg.LinAlgError:
-        return False
-    return bool((forces[:2] >= 0.0).all())
-
-
-def _sliding_torque(statics: QuasiStatics, contact: int, closing: int, resting: Resting) -> float:
-    """[N m] of the closing finger above which the object tips while it slides ahead of that finger
-    alone, unhindered.
-
-    Newton's law along the palm leaves two equations, across it and of moments, for the two forces
-    of the palm.
-    """
-    across = np.array([-resting.along[1], resting.along[0]])
-    rows = np.vstack([across @ statics.G_n[:2], statics.G_n[2]])  # (2, 4)
-    load = np.array([across @ statics.g_O[:2], statics.g_O[2]])
-    try:
-        still = np.linalg.solve(rows[:, :2], -load)
-        pushed = np.linalg.solve(rows[:, :2], -rows[:, contact])
-    except np.linalg.LinAlgError:
-        return 0.0
-    lifted = pushed < 0.0
-    if not lifted.any():
-        return np.inf
-    force = float((still[lifted] / -pushed[lifted]).min())
-    return force * abs(float(statics.J_n[contact, closing]))
+CAUTIONS = Caution(3.0, True), Caution(1.0, True), Caution(1.0, False)
 
 
 def plan_probe(
@@ -175,26 +74,34 @@ def plan_probe(
     whether another probe has just left it open.
 
     The held finger leads the object away and back to where it lay. Where that might tip what is
-    expected, both fingers stay on it and the held one leads it on; where that might, too, the only
-    place is where it lies. Friction may keep the object from being led away, but not on: the second
-    time that is tried first.
+    expected, both fingers stay on it and the held one leads it on. Where that might, too, the held
+    finger moves more gently, then without regard to what is not expected; at last the only place is
+    where it lies. Friction may keep the object from being led away, but not on: the second time
+    that is what is done wherever it can be.
     """
     world = model.world
     margins = np.array([STOP_MARGIN, -STOP_MARGIN])
     stops = world.limits[[0, 1], [0, 1]] + margins
     ends = np.clip(ends, *(world.limits + margins).T)
     sides = (held, 1 - held) if shifts else (held,)
-    away = [(side, AWAY, OPENED) for side in sides]
-    on = [(side, ON, 0.0) for side in sides if shifts]
-    best, side, opened = Squeezing(ends[[held]], WEAKEST, 0.0), held, 0.0
-    for finger, stretches, opening in on + away if again else away + on:
-        found = _squeezing(model, hypotheses, expected, finger, ends[finger], stretches)
-        if found.worth > best.worth:
-            best, side, opened = found, finger, opening
-        if best.worth == ENOUGH:
+    away = [Row(model, hypotheses, expected, side, ends[side], AWAY) for side in sides]
+    on = [Row(model, hypotheses, expected, side, ends[side], ON) for side in sides if shifts]
+    best, row, gentle = Squeezing(ends[[held]], WEAKEST, 0.0), None, CAUTIONS[0]
+    for rows in (on, away) if again else (away + on,):
+        if best.is_wide:
             break
+        for caution, other in product(CAUTIONS, rows):
+            found = other.squeezing(caution)
+            if found.worth > best.worth:
+                best, row, gentle = found, other, caution
+            if best.worth == ENOUGH:
+                break
+    opened = OPENED if row is not None and row.opens else 0.0
+    side = held if row is None else row.held
     weights = world.finger_moment
-    return Probe(side, best.places, np.full(2, opened), best.torque, weights, stops)
+    return Probe(
+        side, best.places, np.full(2, opened), best.torque, weights, stops, gentle.acceleration
+    )
 
 
 class Squeezing(NamedTuple):
@@ -207,54 +114,132 @@ class Squeezing(NamedTuple):
     separation: float
 
     @property
+    def is_wide(self) -> bool:
+        """Whether the places are wide apart."""
+        return bool(np.ptp(self.places) > WIDE)
+
+    @property
     def worth(self) -> tuple[bool, float]:
         """Whether the places are wide apart; the separation, as far as it counts."""
-        return bool(np.ptp(self.places) > WIDE), min(self.separation, SEPARATED)
+        return self.is_wide, min(self.separation, SEPARATED)
 
 
-def _squeezing(
-    model: SqueezeModel,
-    hypotheses: tuple[Resting, ...],
-    expected: int,
-    held: int,
-    end: float,
-    stretches: tuple[float, ...],
-) -> Squeezing:
-    """At places where nothing tips: over the first of the stretches [rad] that separates enough,
-    else the one that separates most. Only at `end` without two such places.
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Angles of the held finger from `end` [rad] on, over stretches of which probes may be made.
+
+    expected: the place in `hypotheses` of what is believed in, −1 for none; stretches [rad]: that
+    the held finger closes, or opens where they are below zero.
     """
-    low, high = model.world.limits[held] + [STOP_MARGIN / 2, -STOP_MARGIN / 2]
-    offsets = np.sign(stretches[0]) * np.arange(0.0, abs(stretches[-1]) + GRID / 2, GRID)
-    thetas = end + CLOSING[held] * offsets
-    offsets = offsets[(thetas > low) & (thetas < high)]
-    best = Squeezing(np.array([end]), WEAKEST, 0.0)
-    if len(offsets) < 2:
+
+    model: SqueezeModel
+    hypotheses: tuple[Resting, ...]
+    expected: int
+    held: int
+    end: float
+    stretches: tuple[float, ...]
+
+    @property
+    def opens(self) -> bool:
+        """Whether both fingers open first."""
+        return self.stretches[0] < 0.0
+
+    def squeezing(self, caution: Caution) -> Squeezing:
+        """At places where nothing tips: over the first of the stretches that separates enough, else
+        the one that separates most. Only at `end` without two such places.
+        """
+        best = Squeezing(np.array([self.end]), WEAKEST, 0.0)
+        if len(self.thetas) < 2:
+            return best
+        tipping = self._tipping_with(caution)
+        safe = np.flatnonzero(self._safe(tipping))
+        for stretch in self.stretches:
+            used = safe[np.abs(self.offsets[safe]) < abs(stretch) + GRID / 2]
+            if len(used) < 2:
+                break
+            first, last = (
+                CLOSING[self.held] * np.sort(CLOSING[self.held] * self.thetas[used])[[0, -1]]
+            )
+            places = np.linspace(first, last, PLACES)
+            separation = _separation(self.model, self.hypotheses, self.expected, self.held, places)
+            if separation > best.separation:
+                torque = float(np.nanmin(tipping[:, used])) / SAFETY
+                best = Squeezing(places, float(np.clip(torque, WEAKEST, STRONGEST)), separation)
+            if best.separation >= SEPARATED:
+                break
         return best
-    thetas = end + CLOSING[held] * offsets
-    alone = stretches[0] < 0.0
-    tipping = np.array(
-        [
-            _tipping_along(model, one, held, thetas, DOUBT if k == expected else NO_DOUBT, alone)
-            for k, one in enumerate(hypotheses)
-        ]
-    )
-    if expected >= 0:
-        angles = model.squeeze(hypotheses[expected], held, thetas)[1]
-        tipping[expected] -= SWING * np.abs(np.gradient(angles, GRID))
-    safe = np.flatnonzero(_safe_stretch(tipping, expected))
-    for stretch in stretches:
-        used = safe[np.abs(offsets[safe]) < abs(stretch) + GRID / 2]
-        if len(used) < 2:
-            break
-        first, last = CLOSING[held] * np.sort(CLOSING[held] * thetas[used])[[0, -1]]
-        places = np.linspace(first, last, PLACES)
-        separation = _separation(model, hypotheses, expected, held, places)
-        if separation > best.separation:
-            torque = float(np.nanmin(tipping[:, used])) / SAFETY
-            best = Squeezing(places, float(np.clip(torque, WEAKEST, STRONGEST)), separation)
-        if best.separation >= SEPARATED:
-            break
-    return best
+
+    @cached_property
+    def offsets(self) -> np.ndarray:
+        """(k,) [rad] from `end`, within the finger's limits."""
+        low, high = self.model.world.limits[self.held] + [STOP_MARGIN / 2, -STOP_MARGIN / 2]
+        steps = np.arange(0.0, abs(self.stretches[-1]) + GRID / 2, GRID)
+        offsets = steps * np.sign(self.stretches[0])
+        thetas = self.end + CLOSING[self.held] * offsets
+        return np.asarray(offsets[(thetas > low) & (thetas < high)])
+
+    @cached_property
+    def thetas(self) -> np.ndarray:
+        """(k,) [rad] of the held finger."""
+        return np.asarray(self.end + CLOSING[self.held] * self.offsets)
+
+    @cached_property
+    def angles(self) -> np.ndarray:
+        """(h, k) [rad] of the closing finger for each hypothesis, NaN where it is not met."""
+        return np.array(
+            [self.model.squeeze(one, self.held, self.thetas)[1] for one in self.hypotheses]
+        )
+
+    @cached_property
+    def surely_met(self) -> np.ndarray:
+        """(h, k) bool: where the closing finger cannot pass over the object."""
+        shut = self.model.world.limits[1 - self.held, 0 if self.held else 1]
+        shorter = self.model.shortened
+        by_shorter = [shorter.squeeze(one, self.held, self.thetas)[1] for one in self.hypotheses]
+        return np.asarray(np.isfinite(by_shorter) & (np.abs(self.angles - shut) >= REACH))
+
+    @cached_property
+    def tipping(self) -> np.ndarray:
+        """(h, k) [N m] of the closing finger, NaN where an object is not met."""
+        model, found = self.model, np.full(self.angles.shape, np.nan)
+        for h, k in np.argwhere(np.isfinite(self.angles)):
+            resting, theta = self.hypotheses[h], self.thetas[k]
+            q = np.array([*resting.pose_at(model.slide(resting, self.held, theta)), 0.0, 0.0])
+            q[3 + self.held], q[4 - self.held] = theta, self.angles[h, k]
+            doubt = DOUBT if h == self.expected else NO_DOUBT
+            found[h, k] = tipping_torque(model.world, resting, self.held, q, doubt, self.opens)
+        return found
+
+    def _tipping_with(self, caution: Caution) -> np.ndarray:
+        """`tipping` of what counts, NaN elsewhere, less what the motion adds."""
+        polygon, tipping = self.model.scenario.object.polygon, self.tipping.copy()
+        for k, one in enumerate(self.hypotheses):
+            if k != self.expected and not (caution.others and polygon.can_rest_on(one.edge)):
+                tipping[k] = np.nan
+        if self.expected >= 0:
+            turning = np.abs(np.gradient(self.angles[self.expected], GRID))
+            tipping[self.expected] -= SWING * caution.acceleration * turning
+        return tipping
+
+    def _safe(self, tipping: np.ndarray) -> np.ndarray:
+        """(k,) bool: the first stretch of places in which the expected object, and others that are
+        met, do not tip; on the way there the expected one does not, either, and fingers that have
+        opened meet it.
+        """
+        missed = ~self.surely_met & ~np.isnan(tipping)
+        others, firm = tipping, np.ones(tipping.shape[1], bool)
+        good = ~np.isnan(tipping).all(axis=0)
+        if self.expected >= 0:
+            firm = good = tipping[self.expected] > SAFETY * WEAKEST
+            firm = firm & ~missed[self.expected] if self.opens else firm
+            others = np.delete(tipping, self.expected, axis=0)
+        good = good & ~missed.any(axis=0) & ~(others < WEAKEST).any(axis=0)
+        keep = np.zeros(tipping.shape[1], bool)
+        for k in range(len(keep)):
+            if not firm[k] or (keep.any() and not good[k]):
+                break
+            keep[k] = good[k]
+        return keep
 
 
 def _separation(
@@ -275,10 +260,13 @@ def _separation(
         true = told[members].angles
         if (expected >= 0 and expected not in members) or not np.isfinite(true).all():
             continue
+        touched = gave_way(1 - held, true)
+        if touched.sum() < FEWEST:
+            return 0.0
         for others in classes:
             one = told[others]
-            rows = np.isfinite(one.angles) & np.isfinite(one.by_vertices).all(axis=1)
-            if others == members and not rows.all():
+            rows = touched & np.isfinite(one.angles) & np.isfinite(one.by_vertices).all(axis=1)
+            if others == members and not rows[touched].all():
                 return 0.0
             if others == members or not rows.any():
                 continue
@@ -288,47 +276,6 @@ def _separation(
             )
             least = min(least, float(innovation @ np.linalg.solve(covariance, innovation)))
     return least
-
-
-def _tipping_along(
-    model: SqueezeModel,
-    resting: Resting,
-    held: int,
-    thetas: np.ndarray,
-    doubt: Doubt,
-    alone: bool,
-) -> np.ndarray:
-    """(k,) [N m] with the held finger at thetas (k,) [rad], NaN where such an object is not met."""
-    slides, angles = model.squeeze(resting, held, thetas)
-    by_shorter = model.shortened.squeeze(resting, held, thetas)[1]
-    found = np.full(len(thetas), np.nan)
-    shut = model.world.limits[1 - held, 0 if held else 1]
-    for k in np.flatnonzero(np.isfinite(angles)):
-        if abs(angles[k] - shut) < REACH or np.isnan(by_shorter[k]):
-            found[k] = 0.0  # there the closing finger may pass over the object
-            continue
-        found[k] = tipping_torque(
-            model, resting, held, slides[k], thetas[k], angles[k], doubt, alone
-        )
-    return found
-
-
-def _safe_stretch(tipping: np.ndarray, expected: int) -> np.ndarray:
-    """(k,) bool: the first stretch of places in which the expected object, and others that are met,
-    do not tip; on the way there the expected one does not, either.
-    """
-    others, firm = tipping, np.ones(tipping.shape[1], bool)
-    good = np.isfinite(tipping).any(axis=0)
-    if expected >= 0:
-        firm = good = np.nan_to_num(tipping[expected]) > SAFETY * WEAKEST
-        others = np.delete(tipping, expected, axis=0)
-    good = good & ~(np.isfinite(others) & (others < WEAKEST)).any(axis=0)
-    keep = np.zeros(tipping.shape[1], bool)
-    for k in range(len(keep)):
-        if not firm[k] or (keep.any() and not good[k]):
-            break
-        keep[k] = good[k]
-    return keep
 
 
 def probe_after(feeler: Feeler, trajectory: ManipulationTrajectory, again: bool = False) -> Probe:

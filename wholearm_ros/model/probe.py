@@ -17,7 +17,8 @@ class Probe:
     places: (k,) angles of the held finger at which the pair of angles is read [rad], each further
     closed than the one before; opened: (2,) how far each finger opens first [rad]; torque: of the
     closing finger [N m], beyond its own weight; weights: (2,) torque that bears each finger when it
-    is horizontal [N m]; stops: (2,) angles beyond which no finger is sent [rad].
+    is horizontal [N m]; stops: (2,) angles beyond which no finger is sent [rad]; acceleration: of
+    the held finger at most [rad/s²].
     """
 
     held: int
@@ -26,6 +27,7 @@ class Probe:
     torque: float
     weights: np.ndarray
     stops: np.ndarray
+    acceleration: float = 3.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'places', readonly(self.places, (-1,)))
@@ -46,6 +48,7 @@ class Probe:
             'torque': self.torque,
             'weights': self.weights.tolist(),
             'stops': self.stops.tolist(),
+            'acceleration': self.acceleration,
         }
 
     @classmethod
@@ -59,9 +62,14 @@ class Probe:
                 float(d['torque']),
                 d['weights'],
                 d['stops'],
+                float(d.get('acceleration', 3.0)),
             )
         except (KeyError, ValueError, TypeError, AttributeError) as error:
             raise DocumentError(f'trajectory document: probe is damaged: {error}') from error
-        if not len(probe.places) or not 0.0 < probe.torque < np.inf:
-            raise DocumentError('trajectory document: probe: needs a place and a torque above zero')
+        driven = 0.0 < probe.torque < np.inf and 0.0 < probe.acceleration < np.inf
+        if not len(probe.places) or not driven:
+            raise DocumentError(
+                'trajectory document: probe: needs a place, and a torque and an acceleration above '
+                'zero'
+            )
         return probe

@@ -17,6 +17,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from wholearm_ros.errors import WholeArmError
+from wholearm_ros.launcher.map_maker import MapMaker
 from wholearm_ros.mechanics.contacts import close_finger
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.choices import Search, Transition, values
@@ -26,7 +27,6 @@ from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import GoalAtPose, GoalOnEdge, Scenario, StartAtPose
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 from wholearm_ros.model.start_checks import floating
-from wholearm_ros.planner.face_map import Way
 from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
@@ -44,6 +44,7 @@ from wholearm_ros.ros.interface.messages import (
 from wholearm_ros.ros.interface.parameters import Declared
 from wholearm_ros.ros.node.node import OK, WARN, Health, WholeArmNode
 from wholearm_ros.ros.node.run import run_node
+from wholearm_ros.ros.visualization.markers import map_markers
 
 DECLARED = (
     replace(SCENARIO, read_only=False),
@@ -93,7 +94,16 @@ DECLARED = (
         10.0,
         read_only=False,
     ),
+    Declared(
+        'map_jobs',
+        0,
+        'processes that make the face map of the object in the background, 0 for none',
+        0,
+        256,
+        read_only=False,
+    ),
 )
+MAP_PERIOD = 5.0  # [s] between two looks at the map that is being made
 # [m, m, rad] of the goal pose of a `plan` request without one.
 TOLERANCE = np.array([0.01, 0.005, 0.03])
 MOST_HEIGHT = 1e-3  # [m] of the start above the palm in a `plan` request
@@ -111,9 +121,11 @@ class ContactStatePlanner(WholeArmNode):
         scenario_of(self.parameters)  # refused now rather than at the first request
         self.busy, self.planned = False, 0
         self.maps: MapStore | None = None
-        self.published_ways: tuple[Way, ...] | None = None
+        self.maker: MapMaker | None = None
+        self.published: tuple[object, ...] = ()
         self.legs = LegPlanner(PlanRequest())
         self.face_map = self.publisher(channels.FACE_MAP)
+        self.markers = self.publisher(channels.MARKERS)
         self.subscription(channels.RESULT, self.on_result)
         self.contact_plan = self.publisher(channels.CONTACT_PLAN)
         self.status = self.publisher(channels.PLANNER_STATUS)
@@ -125,6 +137,8 @@ class ContactStatePlanner(WholeArmNode):
         self.service(channels.PLAN, self.on_plan)
         self.service(channels.PLAN_SCENARIO, self.on_plan_scenario)
         self.publish_status(OK, 'ready')
+        self.tend_map()
+        self.every(MAP_PERIOD, self.tend_map)
 
     async def on_plan_scenario(
         self, _: Trigger.Request, response: Trigger.Response
@@ -187,7 +201,8 @@ class ContactStatePlanner(WholeArmNode):
             result = await done
             if isinstance(result, Exception):
                 raise result
-            self.publish_map(scenario)
+            if isinstance(scenario.goal, GoalOnEdge) and scenario.goal.direction is None:
+                self.publish_map(scenario)
         except WholeArmError as error:
             return self.no_plan(str(error))
         except (
@@ -213,19 +228,40 @@ class ContactStatePlanner(WholeArmNode):
         maps = MapStore(scenario)
         if self.maps is None or self.maps.directory != maps.directory:
             self.maps, self.legs = maps, LegPlanner(request, maps)
-            self.published_ways = None
+            self.published = ()
         self.legs.request = request
         return self.legs
 
+    def tend_map(self) -> None:
+        """Of the object as configured, in the background where that is asked for; another object's
+        begins anew. What is made is published, and used.
+        """
+        jobs = self.parameters.map_jobs
+        if not jobs:
+            return self.leave()
+        scenario = scenario_of(self.parameters)
+        self.legs_of(scenario, self.request())
+        if self.maker is not None and self.maker.directory != MapStore(scenario).directory:
+            self.leave()
+        self.maker = self.maker or MapMaker(scenario, jobs)
+        self.publish_map(scenario)
+
     def publish_map(self, scenario: Scenario) -> None:
-        """As far as it is made, after a plan that may have come from it; not the same one again."""
-        goal = scenario.goal
-        if self.maps is None or not isinstance(goal, GoalOnEdge) or goal.direction is not None:
-            return
-        found = self.maps.load()
-        if found.ways != self.published_ways:
-            self.published_ways = found.ways
-            self.face_map.publish(String(data=json.dumps(found.to_dict(scenario.name))))
+        """As far as it is made; not the same one again."""
+        assert self.maps is not None
+        found, making = self.maps.load(), self.maker is not None and self.maker.making
+        told = found.ways, len(found.refused), making
+        if told != self.published:
+            self.published = told
+            document = {**found.to_dict(scenario.name), 'making': making}
+            self.face_map.publish(String(data=json.dumps(document)))
+            self.markers.publish(map_markers(scenario, found))
+
+    def leave(self) -> None:
+        """A map that is not finished goes on the next time."""
+        if self.maker is not None:
+            self.maker.stop()
+            self.maker = None
 
     def on_result(self, message: DiagnosticStatus) -> None:
         """Of the trajectory generator: whether a plan led to its goal."""

@@ -8,7 +8,7 @@ import heapq
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import log
-from typing import Any
+from typing import Any, NamedTuple
 
 from wholearm_ros.model.certificate import Certificate
 from wholearm_ros.model.plan import ContactPlan
@@ -17,6 +17,14 @@ from wholearm_ros.model.scenario import GoalOnEdge, StartOnEdge
 FORMAT = 'wholearm-map/1'
 PRICE_OF_A_WAY = 0.03  # added to −log of its success rate: of two routes as sure, the shorter one
 PRIOR = 12.0  # samples that a certificate counts for beside what happens in a session
+
+
+class Turn(NamedTuple):
+    """From one face to another one, ccw or cw."""
+
+    start: int
+    end: int
+    direction: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +134,17 @@ class FaceMap:
                     entry = (price + way.price, pushed, way.end, (*route, way))
                     heapq.heappush(open_, entry)
         return found
+
+    def best_turns(self) -> dict[Turn, Way]:
+        """The surest way of every turn, of all places at which it begins."""
+        best: dict[Turn, Way] = {}
+        for way in self.ways:
+            if way.goal.direction is None:
+                continue
+            turn = Turn(way.start.edge, way.goal.edge, way.goal.direction)
+            if turn not in best or way.success_rate > best[turn].success_rate:
+                best[turn] = way
+        return best
 
     def success_rate(self, route: Iterable[Way]) -> float:
         """Of all ways of a route in a row."""

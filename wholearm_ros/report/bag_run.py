@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.planner.face_map import FORMAT
 from wholearm_ros.report.run_view import RunView
 from wholearm_ros.simulation.closed_loop import RunRecord
 from wholearm_ros.simulation.outcome import outcome
@@ -33,6 +34,7 @@ READ = (
     'mode_switcher/progress',
     'trajectory_generator/result',
     'contact_state_planner/status',
+    'contact_state_planner/map',
     'diagnostics',
     'reorientation/feedback',
     'reorientation/result',
@@ -49,11 +51,13 @@ Told = tuple[ContactPlan, ManipulationTrajectory, RunView]
 @dataclass(frozen=True, eq=False)
 class RecordedRuns:
     """runs: of a plan each, in order; motions: what the supervisor says came of each motion, those
-    that only felt included, as `reorientation/result` has them; none when nobody supervised.
+    that only felt included, as `reorientation/result` has them; none when nobody supervised;
+    face_map: the object's as the planner last published it, {} when it did not.
     """
 
     runs: tuple[Told, ...]
     motions: tuple[dict[str, Any], ...] = ()
+    face_map: dict[str, Any] = field(default_factory=dict)
 
     @property
     def several(self) -> bool:
@@ -89,7 +93,7 @@ def read_runs(path: Path) -> RecordedRuns:
             f'{path}: the plan {trajectory.plan_id} of its trajectory is not in it; '
             'allowed: a bag recorded from planning to the end of a run'
         )
-    return RecordedRuns(tuple(runs), _motions(heard))
+    return RecordedRuns(tuple(runs), _motions(heard), _face_map(heard))
 
 
 def _messages(path: Path) -> dict[str, Timed]:
@@ -141,6 +145,16 @@ def _motions(heard: dict[str, Timed]) -> tuple[dict[str, Any], ...]:
     except ValueError:
         return ()
     return tuple(one for one in told if isinstance(one, dict)) if isinstance(told, list) else ()
+
+
+def _face_map(heard: dict[str, Timed]) -> dict[str, Any]:
+    """The last one; {} when there is none that can be read."""
+    try:
+        told = [json.loads(message.data) for _, message in heard['contact_state_planner/map'][-1:]]
+    except ValueError:
+        return {}
+    ours = (one for one in told if isinstance(one, dict) and one.get('format') == FORMAT)
+    return next(ours, {})
 
 
 def _view(

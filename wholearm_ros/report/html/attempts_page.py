@@ -4,10 +4,15 @@ from html import escape
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from wholearm_ros.model.outcomes import SUCCEEDED
-from wholearm_ros.model.scenario import GoalOnEdge
+from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
+from wholearm_ros.planner.face_map import Turn
 from wholearm_ros.report.bag_run import RecordedRuns, Told
+from wholearm_ros.report.figures.map_figure import draw_route
+from wholearm_ros.report.html.figure import figure_in_page
 from wholearm_ros.report.html.page import asset, page
 from wholearm_ros.report.html.run_page import run_page
 from wholearm_ros.report.html.scene import numbers, scene
@@ -21,6 +26,7 @@ def attempts_page(recorded: RecordedRuns) -> str:
         ('title', escape(name)),
         ('verdict', _verdict(recorded)),
         ('attempts', ''.join(_choices(recorded))),
+        ('route', figure_in_page(_route(recorded))),
     ):
         body = body.replace('{{' + key + '}}', value)
     data = {
@@ -28,6 +34,29 @@ def attempts_page(recorded: RecordedRuns) -> str:
         'ends': [_end(told) for told in recorded.runs],
     }
     return page(f'{name}: attempts', body, data, 'attempts.js', plots=False)
+
+
+def _route(recorded: RecordedRuns) -> Figure:
+    """The turns of the runs, over those of the map."""
+    polygon = recorded.runs[-1][0].scenario.object.polygon
+    turns = [turn_of(plan) for plan, _, _ in recorded.runs]
+    known: dict[Turn, float] = {}
+    for edge in recorded.face_map.get('edges', []):
+        if edge['direction']:
+            turn = Turn(edge['from']['edge'], edge['to']['edge'], edge['direction'])
+            known[turn] = max(known.get(turn, 0.0), edge['survived'] / edge['samples'])
+    return draw_route(polygon, known, [turn for turn in turns if turn is not None])
+
+
+def turn_of(plan: ContactPlan) -> Turn | None:
+    """From which face to which a plan leads; None for a slide, or where it is not between faces."""
+    start, goal = plan.scenario.start, plan.scenario.goal
+    if not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
+        return None
+    if start.edge == goal.edge:
+        return None
+    path = plan.object_path()
+    return Turn(start.edge, goal.edge, CCW if path[-1, 2] > path[0, 2] else CW)
 
 
 def _choices(recorded: RecordedRuns) -> list[str]:

@@ -11,8 +11,10 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from wholearm_ros.model.frame import placed
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario import CCW, CW, Scenario
 from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.planner.face_map import FaceMap
+from wholearm_ros.report.figures.ring import outline_on_ring, ring_of_faces
 from wholearm_ros.ros.interface.channels import PALM_FRAME
 from wholearm_ros.simulation.contact_point import ContactPoint
 
@@ -24,6 +26,10 @@ MOST_CONTACTS = 8
 OBJECT_COLOUR, PALM_COLOUR = (0.95, 0.6, 0.1, 1.0), (0.5, 0.5, 0.5, 1.0)
 CONTACT_COLOUR, GHOST_COLOUR = (0.9, 0.1, 0.1, 1.0), (0.3, 0.6, 0.9, 0.5)
 ESTIMATE_COLOUR = (0.1, 0.6, 0.3, 1.0)
+TURN_COLOURS = {CCW: (0.2, 0.5, 0.8, 1.0), CW: (0.8, 0.4, 0.2, 1.0)}
+RING, RING_CENTRE = 0.12, np.array([0.0, 0.38])  # [m] of the faces of a map, above the hand
+BESIDE, SHORTENED = 0.06, 0.3  # of the ring's radius, and of an arrow's length at either end
+MOST_FACES = 16
 
 
 def state_markers(
@@ -37,7 +43,7 @@ def state_markers(
     for k in range(MOST_CONTACTS):
         if k < len(contacts):
             tip = contacts[k].point + NORMAL_LENGTH * contacts[k].normal
-            markers.append(_arrow(k, contacts[k].point, tip))
+            markers.append(_arrow('contacts', k, contacts[k].point, tip, LINE, CONTACT_COLOUR))
         else:
             markers.append(_gone('contacts', k))
     return MarkerArray(markers=markers)
@@ -60,6 +66,36 @@ def estimate_markers(scenario: Scenario, pose: np.ndarray | None) -> MarkerArray
         return MarkerArray(markers=[_gone('estimate', 0)])
     outline = _outline(scenario, pose)
     return MarkerArray(markers=[_line('estimate', 0, outline, 2 * THIN, ESTIMATE_COLOUR)])
+
+
+def map_markers(scenario: Scenario, face_map: FaceMap) -> MarkerArray:
+    """The object's faces in a ring above the hand, and the turns between them: the wider an arrow,
+    the surer the turn.
+    """
+    polygon, markers = scenario.object.polygon, []
+    centres = {face: RING * at + RING_CENTRE for face, at in ring_of_faces(polygon).items()}
+    for face, centre in centres.items():
+        outline = centre + RING * outline_on_ring(polygon, face)
+        markers.append(_line('faces', face, np.vstack([outline, outline[:1]]), THIN, OBJECT_COLOUR))
+    known = {
+        (turn.start, turn.direction): (turn, way) for turn, way in face_map.best_turns().items()
+    }
+    for face in range(MOST_FACES):  # what an object before this one had goes
+        markers += [] if face in centres else [_gone('faces', face)]
+        for k, direction in enumerate((CCW, CW)):
+            number = 2 * face + k
+            if (face, direction) not in known:
+                markers.append(_gone('turns', number))
+                continue
+            turn, way = known[face, direction]
+            tail, tip = centres[turn.start], centres[turn.end]
+            along = tip - tail
+            beside = BESIDE * RING * np.array([along[1], -along[0]]) / np.linalg.norm(along)
+            ends = tail + SHORTENED * along + beside, tip - SHORTENED * along + beside
+            markers.append(
+                _arrow('turns', number, *ends, LINE * way.success_rate, TURN_COLOURS[direction])
+            )
+    return MarkerArray(markers=markers)
 
 
 def _outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
@@ -88,9 +124,11 @@ def _line(namespace: str, number: int, points: np.ndarray, width: float, colour:
     return marker
 
 
-def _arrow(number: int, tail: np.ndarray, tip: np.ndarray) -> Marker:
-    marker = _marker('contacts', number, Marker.ARROW, CONTACT_COLOUR)
-    marker.scale.x, marker.scale.y = LINE, 2 * LINE  # shaft and head diameter
+def _arrow(
+    namespace: str, number: int, tail: np.ndarray, tip: np.ndarray, width: float, colour: Colour
+) -> Marker:
+    marker = _marker(namespace, number, Marker.ARROW, colour)
+    marker.scale.x, marker.scale.y = width, 2 * width  # shaft and head diameter
     marker.points = _points([tail, tip])
     return marker
 
