@@ -207,16 +207,25 @@ link.on('alive', alive => {
   showGraph();
   enable();
 });
-link.on('closed', async () => {  // a console that wants a token refuses the socket; so does one that is gone
+const AGAIN = 1000;  // [ms] between two attempts to connect
+async function open() {
   try {
-    const answer = await fetch('map', {method: 'HEAD'});
-    byId('login').hidden = answer.status !== 401;
-    byId('lost').hidden = answer.status === 401;
-  } catch { /* it is gone; the line above says so */ }
-});
+    const needed = await (await fetch('login')).text() === 'token';
+    byId('login').hidden = !needed;
+    if (needed) byId('lost').hidden = true;
+    else link.connect();
+  } catch {  // it is gone
+    byId('lost').hidden = false;
+    setTimeout(open, AGAIN);
+  }
+}
+link.on('closed', () => setTimeout(open, AGAIN));
 async function logIn(token) {
-  const answer = await fetch('login', {method: 'POST', body: token});
-  byId('login-text').textContent = answer.ok ? '' : await answer.text();
+  try {
+    const answer = await fetch('login', {method: 'POST', body: token});
+    byId('login-text').textContent = answer.ok ? '' : await answer.text();
+  } catch { byId('login-text').textContent = 'no connection'; }
+  open();
 }
 byId('login').addEventListener('submit', event => { event.preventDefault(); logIn(byId('token').value); });
 
@@ -242,6 +251,5 @@ views.forEach((name, k) => {
     const token = location.hash.slice(1);
     history.replaceState(null, '', location.pathname);
     await logIn(token);
-  }
-  link.connect();
+  } else open();
 })();
