@@ -325,6 +325,55 @@ def test_turn_stop_by_a_page_that_looks_on_feel_and_turn_again(console, listener
     asyncio.run(work())
 
 
+def test_a_browser_logs_in_stops_asks_and_says_when_nobody_hears_it(alone, browser):
+    """On a phone: the question lies beside Stop, and what the space bar would do elsewhere Enter does."""
+    by_id = lambda name: browser.find_element('id', name)
+    keys = lambda *pressed: browser.switch_to.active_element.send_keys(*pressed)
+
+    def until(script):
+        end = time.monotonic() + WAIT
+        while not browser.execute_script(f'return {script}'):
+            assert time.monotonic() < end, script
+            time.sleep(0.05)
+
+    def drive():
+        browser.execute_cdp_cmd(
+            'Emulation.setDeviceMetricsOverride',
+            {'width': 390, 'height': 844, 'deviceScaleFactor': 1, 'mobile': True},
+        )
+        browser.get(alone.address)
+        until("!byId('login').hidden && byId('stop').classList.contains('dead')")
+        by_id('token').send_keys(alone.token + '\n')
+        until("link.isAlive() && !byId('stop').classList.contains('dead')")
+        keys(' ')
+        until("byId('stop-text').textContent.includes('emergency stop')")
+        by_id('only-warnings').send_keys('\n')
+        until("byId('only-warnings').checked")
+        by_id('control').click()
+        until("byId('ask').open")
+        keys('\ue00c')  # Escape
+        until("!byId('ask').open")
+        by_id('control').click()
+        until("byId('ask').open")
+        by_id('ask-yes').click()  # an error if something lies over it
+        until('inControl()')
+        alone.process.send_signal(signal.SIGSTOP)
+        until("!byId('lost').hidden && byId('stop').classList.contains('dead')")
+        keys(' ')
+        until("byId('stop-text').textContent.includes('did not reach')")
+        alone.process.send_signal(signal.SIGCONT)
+        until("byId('lost').hidden && link.isAlive()")
+        assert browser.execute_script('return document.documentElement.scrollWidth') <= 390
+        assert browser.get_log('browser') == []
+
+    async def work():
+        async with page_of(alone) as other:
+            assert (await other.ask('control', how='take'))['ok']
+            await asyncio.to_thread(drive)
+
+    asyncio.run(work())
+
+
 async def abuse(console, draw):
     """Everything at once that a page must not do: it is answered or refused, and nothing else."""
     async with session_of(console) as session:
