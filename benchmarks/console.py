@@ -1,10 +1,11 @@
 """What the console costs, and how soon its Stop holds: `wholearm console` as a process, pages over WebSocket, the graph in real
 time, a ROS client of its own that listens to the drives.
 
-    python benchmarks/console.py [--stops 20] [--pages 0 3] [--seconds 8] [--rate 1000] [--backend planar]
+    python benchmarks/console.py [--stops 20] [--pages 0 3] [--seconds 8] [--rate 1000] [--backend planar] [--limit 150]
 
-Stop: time from the sending by the page to its answer, and to the hold: both joints slower than STILL from then on.
-Pages: frames and bytes a second of one page, and rate and latency of the loop.
+Stop: time from the sending by the page, while a joint moves, to its answer, and to the hold: both joints slower than
+STILL from then on; for each of both ways to stop no longer than the limit [s].
+Pages: frames and bytes a second of one page, and rate and latency of the loop, while the object is turned.
 """
 
 import argparse
@@ -67,6 +68,9 @@ class Listener:
             if status.name.endswith('/hand_hardware'):
                 self.hand.append((time.monotonic(), values_of(status)))
 
+    def moving(self):
+        return bool(self.speeds) and self.speeds[-1][1] > STILL
+
     def close(self):
         self.leaving = True
         self.thread.join()
@@ -104,39 +108,61 @@ async def page_of(address):
             yield Page(ws)
 
 
-async def measure_stops(address, listener, number, drives):
-    """(n, 2) [ms]: until the answer, until the hold; NaN for a hand that was not moving."""
-    draw, rows = random.Random(0), []
+async def begin_turn(page):
+    """Whether the object is being turned now, from the start."""
+    await page.ask('control', how='take')
+    await page.ask('reset')
+    if not (await page.ask('turn', edge=5))['ok']:
+        return False
+    told = await page.until(
+        lambda m: ended(m) or (m['type'] == 'frame' and m['m'] == 'quasi_static')
+    )
+    return not ended(told)
+
+
+def ended(message):
+    return message['type'] == 'state' and message['outcome']
+
+
+async def measure_stops(address, listener, number, drives, limit):
+    """(n, 2) [ms]: until the answer, until the hold."""
+    draw, rows, last = random.Random(0), [], time.monotonic() + limit
     async with page_of(address) as page:
         await page.until(lambda m: m['type'] == 'graph' and m['status'] == 'ready')
-        await page.ask('control', how='take')
-        while len(rows) < number:
-            await page.ask('reset')
-            answer = await page.ask('turn', edge=5)
-            moving = lambda m: m['type'] == 'frame' and m['m'] == 'quasi_static'
-            ended = lambda m: m['type'] == 'state' and m['outcome']
-            told = await page.until(lambda m: moving(m) or ended(m))
-            if not answer['ok'] or ended(told):
+        while len(rows) < number and time.monotonic() < last:
+            if not await begin_turn(page):
                 continue
-            end = time.monotonic() + draw.uniform(0.1, 1.2)
-            await page.until(lambda m: time.monotonic() > end)
-            sent = time.monotonic()
-            answer = await page.ask('stop', drives=drives)
-            answered = time.monotonic()
-            await page.until(lambda m: time.monotonic() > sent + AFTER + 1.0)
-            speeds = [(t, v) for t, v in listener.speeds if sent - 0.05 < t < sent + AFTER + 1.0]
-            listener.speeds.clear()
-            fast = [t for t, v in speeds if v > STILL]
-            rows.append((1e3 * (answered - sent), 1e3 * (max(fast) - sent) if fast else np.nan))
-            print(
-                f'  {len(rows):2}: answer {rows[-1][0]:6.1f} ms, hold {rows[-1][1]:6.1f} ms; {answer["message"]}',
-                flush=True,
-            )
-    return np.array(rows)
+            begin = time.monotonic() + draw.uniform(0.0, 1.2)
+            while time.monotonic() < begin or not listener.moving():
+                if ended(await page.message()):
+                    break
+            else:
+                rows.append(await measure_stop(page, listener, drives))
+                print(
+                    f'  {len(rows):2}: answer {rows[-1][0]:6.1f} ms, hold {rows[-1][1]:6.1f} ms',
+                    flush=True,
+                )
+    return np.array(rows).reshape(-1, 2)
+
+
+async def measure_stop(page, listener, drives):
+    """[ms] until the answer, until the hold."""
+    sent = time.monotonic()
+    answer = await page.ask('stop', drives=drives)
+    answered = time.monotonic()
+    if not drives and 'Reset' in answer['message'] or not answer['ok']:
+        print(f'  {answer["message"]}')
+    await page.until(lambda m: time.monotonic() > sent + AFTER + 1.0)
+    fast = [t for t, v in listener.speeds if v > STILL and sent <= t < sent + AFTER + 1.0]
+    listener.speeds.clear()
+    return 1e3 * (answered - sent), 1e3 * (max(fast, default=sent) - sent)
 
 
 async def measure_pages(address, listener, pages, seconds):
     """What one page gets a second, and what the hand reports of the loop meanwhile."""
+    async with page_of(address) as page:
+        while not await begin_turn(page):
+            pass
     async with AsyncExitStack() as stack:
         opened = [await stack.enter_async_context(page_of(address)) for _ in range(pages)]
         end = time.monotonic() + seconds
@@ -170,10 +196,10 @@ async def measure(address, options):
         for drives in (False, True):
             name = 'hand_hardware/stop' if drives else 'mode_switcher/stop'
             print(f'Stop by {name}:')
-            rows = await measure_stops(address, listener, options.stops, drives)
+            rows = await measure_stops(address, listener, options.stops, drives, options.limit)
             for what, column in zip(('answer', 'hold'), rows.T):
                 print(
-                    f'  {what}: median {np.nanmedian(column):.0f} ms, worst {np.nanmax(column):.0f} ms of {np.isfinite(column).sum()}'
+                    f'  {what}: median {np.median(column):.0f} ms, worst {np.max(column):.0f} ms of {len(column)}'
                 )
     finally:
         listener.close()
@@ -186,6 +212,7 @@ def main():
     parser.add_argument('--seconds', type=float, default=8.0)
     parser.add_argument('--rate', type=float, default=1000.0)
     parser.add_argument('--backend', default='planar')
+    parser.add_argument('--limit', type=float, default=150.0)
     options = parser.parse_args()
     command = [sys.executable, '-m', 'wholearm_ros', 'console', '--no-open', '--port', '0']
     command += ['--rate', str(options.rate), '--backend', options.backend]

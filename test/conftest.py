@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -26,6 +27,16 @@ REALTIME = (
     'test/ros/test_whole_run.py',
 )
 
+CHROMIUM = next(
+    (
+        path
+        for name in ('chromium', 'chromium-browser', 'google-chrome')
+        if (path := shutil.which(name))
+    ),
+    None,
+)
+DRIVER = shutil.which('chromedriver')
+
 
 @pytest.hookimpl(optionalhook=True)  # of xdist
 def pytest_xdist_make_scheduler(config, log):
@@ -49,3 +60,21 @@ def fresh_domain() -> str:
     """A ROS_DOMAIN_ID that no other test of this session uses (of 0 to 101, the first ten left to people)."""
     worker = int(os.environ.get('PYTEST_XDIST_WORKER', 'gw0')[2:])
     return str(10 + (2 * next(_domains) + worker % 2) % 92)
+
+
+@pytest.fixture(scope='module')
+def browser():
+    """A real one, for the tests of pages."""
+    if not (CHROMIUM and DRIVER):
+        pytest.skip('no Chromium with its chromedriver here (Debian: chromium chromium-driver)')
+    webdriver = pytest.importorskip('selenium.webdriver', reason='selenium is not installed')
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for argument in ('--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage'):
+        options.add_argument(argument)
+    options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    driver.set_page_load_timeout(100)
+    driver.set_script_timeout(60)
+    yield driver
+    driver.quit()

@@ -92,7 +92,7 @@ def test_one_page_has_control_until_it_is_taken_given_up_or_gone():
     control, refusal = Control().asked(1)
     assert control.holder == 1 and not refusal and not control.refusal(1)
     same, refusal = control.asked(2)
-    assert same.holder == 1 and 'client 1 has control' in refusal and same.refusal(2)
+    assert same.holder == 1 and 'page 1 has control' in refusal and same.refusal(2)
     taken, refusal = control.asked(2, take=True)
     assert taken.holder == 2 and not refusal and taken.refusal(1)
     assert taken.released(1) == taken and taken.released(2).holder is None

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -14,15 +13,6 @@ from wholearm_ros.report.html.suite_page import suite_page
 
 from .test_sources import SUITE
 
-CHROMIUM = next(
-    (
-        path
-        for name in ('chromium', 'chromium-browser', 'google-chrome')
-        if (path := shutil.which(name))
-    ),
-    None,
-)
-DRIVER = shutil.which('chromedriver')
 WIDTHS = [(1280, 900), (390, 844)]  # [pixel] a desk, a phone
 
 
@@ -60,23 +50,6 @@ def test_the_page_holds_what_the_run_was(told, text):
         'the object rests on its goal',
     ):
         assert what in text
-
-
-@pytest.fixture(scope='module')
-def browser():
-    if not (CHROMIUM and DRIVER):
-        pytest.skip('no Chromium with its chromedriver here (Debian: chromium chromium-driver)')
-    webdriver = pytest.importorskip('selenium.webdriver', reason='selenium is not installed')
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for argument in ('--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage'):
-        options.add_argument(argument)
-    options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    driver.set_page_load_timeout(100)
-    driver.set_script_timeout(60)
-    yield driver
-    driver.quit()
 
 
 def opened(browser, path, width, height):

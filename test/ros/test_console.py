@@ -3,6 +3,7 @@
 import asyncio
 import json
 import os
+import random
 import re
 import signal
 import socket
@@ -23,7 +24,7 @@ from wholearm_ros.model.modes import STOPPED
 
 pytestmark = pytest.mark.timeout(280)
 WAIT = 150.0  # [s] a bound, not a measure: machines may be loaded
-QUICK = ['--pacing', 'lockstep', '--rate', '250', '--backend', 'planar']
+QUICK = ['--pacing', 'lockstep', '--rate', '250', '--backend', 'planar', '--token']
 
 
 class Console:
@@ -231,6 +232,8 @@ def test_a_token_is_asked_for_and_a_graph_that_is_not_there_is_not_stopped(alone
             for path in ('live', 'map', 'bags/x'):
                 async with session.get(alone.address + path) as answer:
                     assert answer.status == 401
+            async with session.get(f'{alone.address}login') as answer:
+                assert await answer.text() == 'token'
             async with session.post(f'{alone.address}login', data='guess') as answer:
                 assert answer.status == 401 and not answer.cookies
             async with session.post(f'{alone.address}login', data='x' * 10_000) as answer:
@@ -239,6 +242,8 @@ def test_a_token_is_asked_for_and_a_graph_that_is_not_there_is_not_stopped(alone
                 cookie = answer.cookies['wholearm_console']
                 assert answer.status == 200
                 assert cookie['httponly'] and cookie['samesite'] == 'Strict'
+            async with session.get(f'{alone.address}login') as answer:
+                assert await answer.text() == ''
         async with page_of(alone) as page:
             graph = page.heard.get('graph') or await page.until(lambda m: m['type'] == 'graph')
             assert graph['status'] == 'waiting' and graph['join']
@@ -320,6 +325,105 @@ def test_turn_stop_by_a_page_that_looks_on_feel_and_turn_again(console, listener
     asyncio.run(work())
 
 
+def test_a_browser_logs_in_stops_asks_and_says_when_nobody_hears_it(alone, browser):
+    """On a phone: the question lies beside Stop, and what the space bar would do elsewhere Enter does."""
+    by_id = lambda name: browser.find_element('id', name)
+    keys = lambda *pressed: browser.switch_to.active_element.send_keys(*pressed)
+
+    def until(script):
+        end = time.monotonic() + WAIT
+        while not browser.execute_script(f'return {script}'):
+            assert time.monotonic() < end, script
+            time.sleep(0.05)
+
+    def drive():
+        browser.execute_cdp_cmd(
+            'Emulation.setDeviceMetricsOverride',
+            {'width': 390, 'height': 844, 'deviceScaleFactor': 1, 'mobile': True},
+        )
+        browser.get(alone.address)
+        until("!byId('login').hidden && byId('stop').classList.contains('dead')")
+        by_id('token').send_keys(alone.token + '\n')
+        until("link.isAlive() && !byId('stop').classList.contains('dead')")
+        keys(' ')
+        until("byId('stop-text').textContent.includes('emergency stop')")
+        by_id('only-warnings').send_keys('\n')
+        until("byId('only-warnings').checked")
+        by_id('control').click()
+        until("byId('ask').open")
+        keys('\ue00c')  # Escape
+        until("!byId('ask').open")
+        by_id('control').click()
+        until("byId('ask').open")
+        by_id('ask-yes').click()  # an error if something lies over it
+        until('inControl()')
+        alone.process.send_signal(signal.SIGSTOP)
+        until("!byId('lost').hidden && byId('stop').classList.contains('dead')")
+        keys(' ')
+        until("byId('stop-text').textContent.includes('did not reach')")
+        alone.process.send_signal(signal.SIGCONT)
+        until("byId('lost').hidden && link.isAlive()")
+        assert browser.execute_script('return document.documentElement.scrollWidth') <= 390
+        assert browser.get_log('browser') == []
+
+    async def work():
+        async with page_of(alone) as other:
+            assert (await other.ask('control', how='take'))['ok']
+            await asyncio.to_thread(drive)
+
+    asyncio.run(work())
+
+
+async def abuse(console, draw):
+    """Everything at once that a page must not do: it is answered or refused, and nothing else."""
+    async with session_of(console) as session:
+        deaf = await session.ws_connect(f'{console.address}live')  # and never read
+        crowd = await asyncio.gather(
+            *(session.ws_connect(f'{console.address}live') for _ in range(50))
+        )
+        async with page_of(console) as page:
+            for _ in range(30):
+                kind = draw.choice(['turn', 'stop', 'load', 'record', 'check', 'dance', None])
+                junk = draw.choice([draw.random(), 'x' * draw.randrange(9000), [[]], {'edge': -1}])
+                key = draw.choice(['edge', 'drives', 'scenario', 'on', draw.randbytes(9).hex()])
+                text = json.dumps({'type': kind, key: junk})
+                await page.ws.send_str(text[: draw.choice([None, len(text) // 2])])
+                answer = await page.until(lambda m: m['type'] == 'answer')
+                assert not answer['ok'] or answer['checked']['problems'], text
+            await page.ws.send_bytes(draw.randbytes(100_000))
+            assert not (await page.until(lambda m: m['type'] == 'answer'))['ok']
+            await page.ws.send_str('x' * 600_000)  # which ends this page
+        for headers in ({'Origin': 'http://evil.example'}, {'Host': 'evil.example'}):
+            with pytest.raises(aiohttp.WSServerHandshakeError):
+                await session.ws_connect(f'{console.address}live', headers=headers)
+        for one in (*crowd, deaf):
+            await one.close()
+    async with aiohttp.ClientSession() as session:
+        async with session.post(f'{console.address}login', data='guess') as answer:
+            assert answer.status == 401
+        with pytest.raises(aiohttp.WSServerHandshakeError):
+            await session.ws_connect(f'{console.address}live')
+
+
+def test_a_graph_that_turns_its_object_goes_on_under_abuse(console):
+    async def work():
+        draw, abused = random.Random(0), 0
+        async with page_of(console) as page:
+            await page.ready()
+            assert (await page.ask('control', how='ask'))['ok']
+            assert (await page.ask('reset'))['ok']
+            assert (await page.ask('turn', edge=5))['ok']
+            await page.until(lambda m: m['type'] == 'frame' and m['m'] == 'quasi_static')
+            end = asyncio.create_task(page.until(lambda m: m['type'] == 'state' and m['outcome']))
+            while not end.done():
+                await abuse(console, draw)
+                abused += not end.done()
+            assert (await end)['outcome'] == 'succeeded'
+            assert abused >= 1
+
+    asyncio.run(work())
+
+
 def test_the_drives_are_stopped_past_every_other_node(console, listener):
     async def work():
         async with page_of(console) as page:
@@ -377,7 +481,15 @@ def test_another_object_is_put_into_the_hand(console):
     asyncio.run(work())
 
 
-def test_at_the_end_every_node_has_ended(console):
+def test_at_the_end_every_page_is_told_and_every_node_has_ended(console):
+    async def work():
+        async with page_of(console) as page:
+            console.process.send_signal(signal.SIGINT)
+            async for _ in page.ws:
+                pass
+            assert page.ws.close_code == aiohttp.WSCloseCode.GOING_AWAY
+
+    asyncio.run(work())
     said, code = console.end()
     assert code == 0 and 'every node has been stopped' in said
     assert 'Traceback' not in said

@@ -31,7 +31,7 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
 
     graph.client.send_goal(str(uuid.uuid4()))
     graph.wait(lambda: heard.result, 'rejection')
-    assert heard.result['outcome'] == 'rejected' and 'unknown plan' in heard.result_message
+    assert heard.result['outcome'] == 'rejected' and 'unknown plan' in heard.result['reason']
 
     plan = graph.plan()
     graph.client.send_goal(plan.id)
@@ -40,7 +40,8 @@ def test_goals_are_rejected_canceled_and_repeated(graph):
     second.wait(lambda: second._goal.get_subscription_count() > 0, 60.0, 'generator')
     second.send_goal(plan.id)
     second.wait(lambda: second.latest.result, 60.0, 'rejection')
-    assert second.latest.result['outcome'] == 'rejected' and 'busy' in second.latest.result_message
+    rejection = second.latest.result
+    assert rejection['outcome'] == 'rejected' and 'busy' in rejection['reason']
     second.close()  # a client that leaves changes nothing
 
     # The fingers are away from where they began from 0.12 on, and back there at 0.6; at 1000 Hz lockstep

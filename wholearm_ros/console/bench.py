@@ -146,7 +146,7 @@ class Bench:
         maps, loops = _Every(MAP_PERIOD), _Every(LOOP_PERIOD)
         with self.recording, closing(watcher), closing(commands):
             while not (self._again or self._leaving):
-                client.executor.spin_once(timeout_sec=SPIN)
+                client.spin(SPIN)
                 self._do_work()
                 commands.tick()
                 if frames.due():
@@ -158,7 +158,7 @@ class Bench:
                     watcher.look_at_map()
                 if loops.due():
                     self._check(watcher)
-                    watcher.show_loop()
+                    watcher.show_loop(self.recording.directory is not None)
 
     def _check(self, watcher: Watcher) -> None:
         missing = watcher.missing()

@@ -37,7 +37,8 @@ class Commands:
 
     scenario: whose object is in the hand; place: where it lies as far as is known, None when it has
     to be felt first; known_start: whether a reset puts it at its start, as a simulated hand's does;
-    drives: their state as the hand reports it; angles: (2,) [rad] of the fingers now.
+    drives: their state as the hand reports it; angles: (2,) [rad] of the fingers now, None before
+    they are heard.
     """
 
     def __init__(self, client: Client, scenario: Scenario, known_start: bool) -> None:
@@ -84,6 +85,7 @@ class Commands:
 
         def done(told: Any) -> None:
             if told is not None and told.success:
+                self.angles = None  # those before it
                 self.at_the_start()
             _answered(channels.RESET, answer)(told)
 

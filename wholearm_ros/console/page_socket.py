@@ -3,7 +3,7 @@
 import asyncio
 from typing import Any
 
-from aiohttp import WSMsgType, web
+from aiohttp import WSCloseCode, WSMsgType, web
 
 from wholearm_ros.console.desk import Desk
 from wholearm_ros.console.hub import Outbox, encoded
@@ -11,6 +11,7 @@ from wholearm_ros.console.messages import MOST_BYTES, id_of, read_message
 from wholearm_ros.errors import WholeArmError
 
 SEND_WITHIN = 5.0  # [s] for a page to take a message; one that reads nothing is cut off
+LEAVE_WITHIN = 0.5  # [s] for a page to say goodbye when the console ends
 HEARTBEAT = 5.0  # [s] between two pings
 BURST, A_SECOND = 50, 100.0  # messages of one page; what is more waits
 
@@ -21,10 +22,18 @@ class PageSocket:
     def __init__(self, number: int, desk: Desk) -> None:
         self.number, self.desk = number, desk
         self._outbox: Outbox | None = None
+        self._socket: web.WebSocketResponse | None = None
+
+    async def close(self) -> None:
+        """The console ends."""
+        if self._socket is not None:
+            await self._socket.close(code=WSCloseCode.GOING_AWAY)
 
     async def serve(self, request: web.Request) -> web.WebSocketResponse:
         """Until the page goes."""
-        socket = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=MOST_BYTES)
+        socket = self._socket = web.WebSocketResponse(
+            heartbeat=HEARTBEAT, max_msg_size=MOST_BYTES, timeout=LEAVE_WITHIN
+        )
         await socket.prepare(request)
         files = self.desk.scenarios.names()
         hello = {'type': 'hello', 'page': self.number, 'scenarios': files}

@@ -8,6 +8,7 @@ from wholearm_ros.errors import WholeArmError
 from wholearm_ros.launcher.launcher import LOOP_PRIORITY
 from wholearm_ros.launcher.processes import NodeDied, Processes
 
+RECORDER = 'bag_recorder'
 BAG = 'bag'  # the directory of the bag in that of its run, as `make run` names it
 
 
@@ -38,7 +39,7 @@ class Recording:
             raise WholeArmError(f'{run}: cannot be made: {error.strerror or error}') from error
         self._recorder, self.directory = Processes(run), run / BAG
         path = str(self.directory.absolute())
-        self._recorder.start('bag_recorder', {'path': path, 'priority': LOOP_PRIORITY})
+        self._recorder.start(RECORDER, {'path': path, 'priority': LOOP_PRIORITY})
         return self.directory
 
     def released(self) -> Callable[[], None]:

@@ -3,11 +3,13 @@
 import json
 from typing import Any
 
+from wholearm_ros.console.recording import RECORDER
 from wholearm_ros.console.signals import Signals
 from wholearm_ros.launcher.client import LatestMessages
 from wholearm_ros.launcher.launcher import attempt_line
 from wholearm_ros.model.scenario import StartOnEdge
 
+SILENT, SILENT_AFTER = 'silent', 3.0  # [s]
 LEVEL_NAMES = ('ok', 'warning', 'error', 'stale')
 # of the hand's report, in the order in which they are shown
 LOOP = (
@@ -41,10 +43,17 @@ def run_state(latest: LatestMessages, place: StartOnEdge | None) -> dict[str, An
         ],
         'reached': latest.reached_message if reached else '',
         'outcome': reached.get('outcome', ''),
-        'felt': latest.result_message if latest.result else '',
+        'felt': _felt(latest.result, place),
         'planner': latest.planner.get('message', ''),
         'place': None if place is None else {'edge': place.edge, 'x': round(1e3 * place.x, 1)},
     }
+
+
+def _felt(result: dict[str, str], place: StartOnEdge | None) -> str:
+    """What came of feeling, beside the place, where that is known: its goal plays no part."""
+    if not result:
+        return ''
+    return 'felt' if place is not None else result.get('reason', '')
 
 
 class LoopMeasure:
@@ -54,8 +63,10 @@ class LoopMeasure:
         self._last: tuple[float, int] | None = None  # [s], steps
         self._rate: float | None = None
 
-    def told(self, signals: Signals, now: float) -> dict[str, Any]:
-        """now [s]: on the machine's clock; age [s]: of the newest joint states."""
+    def told(self, signals: Signals, now: float, recording: bool) -> dict[str, Any]:
+        """now [s]: on the machine's clock; recording: whether our recorder runs; once it has ended,
+        its silence is none. age [s]: of the newest joint states.
+        """
         health = signals.health
         hand = health.get('hand_hardware') or health.get('ros2_control_bridge')
         if hand and hand['values'].get('steps', '').isdecimal():
@@ -69,12 +80,13 @@ class LoopMeasure:
             'figures': {name: values[name] for name in LOOP if name in values},
             'nodes': {
                 name: {
-                    'level': 'silent'
-                    if now - report['at'] > 3.0
-                    else LEVEL_NAMES[min(report['level'], 3)],
+                    'level': SILENT if silent else LEVEL_NAMES[min(report['level'], 3)],
                     'message': report['message'],
                 }
                 for name, report in sorted(signals.health.items())
+                if not (silent := now - report['at'] > SILENT_AFTER)
+                or recording
+                or name != RECORDER
             },
         }
 

@@ -33,17 +33,19 @@ class Server:
 
     def __init__(self, access: Access, desk: Desk) -> None:
         self.access, self.desk = access, desk
-        self._pages = 0
+        self._pages, self._sockets = 0, set[PageSocket]()
 
     def application(self) -> web.Application:
         """To be run by aiohttp."""
         app = web.Application(middlewares=[self.guard], client_max_size=MOST_BODY)
         app.router.add_get('/', self.page)
         app.router.add_get('/assets/{name}', self.asset)
+        app.router.add_get('/login', self.login)
         app.router.add_post('/login', self.log_in)
         app.router.add_get('/live', self.live)
         app.router.add_get('/map', self.map)
         app.router.add_get('/bags/{name}', self.report)
+        app.on_shutdown.append(self.leave)
         return app
 
     @web.middleware
@@ -78,6 +80,11 @@ class Server:
             return _file(ASSETS / name)
         raise web.HTTPNotFound
 
+    async def login(self, request: web.Request) -> web.Response:
+        """Whether a token is needed still."""
+        known = self.access.known(request.cookies.get(COOKIE))
+        return web.Response(text='' if known else 'token')
+
     async def log_in(self, request: web.Request) -> web.Response:
         """The token as the body of the request; the answer sets a cookie."""
         session = self.access.log_in((await request.text()).strip())
@@ -93,7 +100,16 @@ class Server:
         if len(self.desk.hub.pages) >= MOST_PAGES:
             raise web.HTTPServiceUnavailable(text=f'{MOST_PAGES} pages look already')
         self._pages += 1
-        return await PageSocket(self._pages, self.desk).serve(request)
+        socket = PageSocket(self._pages, self.desk)
+        self._sockets.add(socket)
+        try:
+            return await socket.serve(request)
+        finally:
+            self._sockets.discard(socket)
+
+    async def leave(self, _: web.Application) -> None:
+        """Every page is told at once that the console ends."""
+        await asyncio.gather(*(socket.close() for socket in self._sockets))
 
     async def map(self, _: web.Request) -> web.Response:
         """The page of the face map, as far as it is made."""

@@ -132,9 +132,9 @@ class Watcher:
         rows = faces(self._scenario, found, self._commands.place)
         self._tell({'type': 'faces', 'faces': rows, 'map': map_line(found)})
 
-    def show_loop(self) -> None:
+    def show_loop(self, recording: bool) -> None:
         """How the loop does; sent in any case, so that pages know that somebody is there."""
-        self._publish(self._loop.told(self._signals, time.monotonic()))
+        self._publish(self._loop.told(self._signals, time.monotonic(), recording))
 
     def _take(self, values: dict[str, str]) -> None:
         """A result that is not older than this graph is to us."""

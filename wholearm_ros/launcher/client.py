@@ -68,7 +68,6 @@ class LatestMessages:
     progress: Values = field(default_factory=dict)
     feedback: Values = field(default_factory=dict)
     result: Values = field(default_factory=dict)
-    result_message: str = ''
     reorientation: Values = field(default_factory=dict)
     reached: Values = field(default_factory=dict)
     reached_message: str = ''
@@ -147,6 +146,17 @@ class Client:
                 raise GraphError(f'{what}: nothing for {seconds:.0f} s')
             self.executor.spin_once(timeout_sec=0.05)
             self.watch()
+
+    def spin(self, seconds: float) -> None:
+        """Waits at most `seconds` for something to come, then takes everything that has come.
+
+        The executor takes one event at a time, in their order: who does a round of other work after
+        each of them falls behind on a busy machine, and the answer to a stop with it.
+        """
+        self.executor.spin_once(timeout_sec=seconds)
+        last = self.executor.create_task(lambda: None)
+        while not last.done():
+            self.executor.spin_once(timeout_sec=0.05)
 
     def wait_for_graph(self, seconds: float, recorded: bool = False) -> None:
         """Until every channel of the closed loop has both its ends; raises GraphError after
@@ -353,7 +363,7 @@ class Client:
         values = values_of(message)
         own = values.get('request_stamp') == self._request_stamp
         if own or values.get('outcome') != REJECTED:  # else another client's request
-            self.latest.result, self.latest.result_message = values, message.message
+            self.latest.result = values
 
     def _on_reorientation(self, message: DiagnosticStatus) -> None:
         values = values_of(message)

@@ -1,6 +1,6 @@
 """A run as figures and reports need it, wherever it came from: a simulation, or a bag."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,13 @@ class RunView:
     def __post_init__(self) -> None:
         for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2)):
             object.__setattr__(self, name, readonly(getattr(self, name), (-1, width)))
+
+    def until(self, time: float) -> 'RunView':
+        """Its beginning, up to `time` [s]."""
+        m = max(1, int(np.searchsorted(self.times, time, side='right')))
+        rows = ('times', 'angles', 'velocities', 'efforts', 'poses', 'modes', 'estimates')
+        cut: dict[str, Any] = {k: v[:m] for k in rows if (v := getattr(self, k)) is not None}
+        return replace(self, **cut)
 
     def pose_at(self, times: np.ndarray) -> np.ndarray:
         """(k, 3) the object at `times` [s], held beyond both ends."""

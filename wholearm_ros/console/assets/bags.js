@@ -66,6 +66,14 @@ function makeBags(link) {
     t < end ? requestAnimationFrame(step) : pause();
   }
   byId('replay-play').addEventListener('click', () => began === null ? play() : pause());
+  const STEPS = {ArrowLeft: -0.05, ArrowRight: 0.05, PageDown: -0.5, PageUp: 0.5};  // [s], as in the report
+  byId('replay-time').addEventListener('keydown', event => {
+    const step = STEPS[event.key], T = run && run.times;
+    if (!step || !T) return;
+    event.preventDefault();
+    pause();
+    show(Math.min(Math.max(+byId('replay-time').value + step, T[0]), T[T.length - 1]));
+  });
   byId('replay-time').addEventListener('input', () => { pause(); show(+byId('replay-time').value); });
   return {list};
 }

@@ -28,6 +28,12 @@ for (const kind of ['keydown', 'keyup']) document.addEventListener(kind, event =
   if (kind === 'keydown' && !event.repeat) stop(performance.now() - me.stopped < AGAIN_WITHIN);
 }, true);
 
+document.addEventListener('keydown', event => {  // what the space bar does elsewhere
+  if (event.key !== 'Enter' || !event.target.matches('[type=checkbox], [type=file]')) return;
+  event.preventDefault();
+  event.target.click();
+});
+
 // ---- a question that does not hold up the page: Stop works meanwhile
 function confirmed(question) {
   const dialog = byId('ask');
@@ -37,6 +43,7 @@ function confirmed(question) {
     byId('ask-yes').onclick = () => { yes = true; dialog.close(); };
     byId('ask-no').onclick = () => dialog.close();
     dialog.onclose = () => answer(yes);
+    dialog.onkeydown = event => { if (event.key === 'Escape') dialog.close(); };
     dialog.show();
     byId('ask-no').focus();
   });
@@ -47,7 +54,7 @@ byId('control').addEventListener('click', async () => {
   if (inControl()) return link.send({type: 'control', how: 'release'});
   const answer = await link.send({type: 'control', how: 'ask'});
   if (answer.ok || answer.lost) return;
-  if (await confirmed(`${answer.message}. Take control over? That page is told.`)) link.send({type: 'control', how: 'take'});
+  if (await confirmed(`Page ${me.holder} has control. Take it over? That page is told.`)) link.send({type: 'control', how: 'take'});
 });
 link.on('control', message => {
   const had = inControl();
@@ -71,6 +78,14 @@ function choose(edge) {
   byId('faces').querySelectorAll('button').forEach(b => b.setAttribute('aria-checked', String(+b.dataset.edge === edge)));
   enable();
 }
+byId('faces').addEventListener('keydown', event => {
+  const step = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key], all = [...byId('faces').children];
+  if (!step) return;
+  event.preventDefault();
+  const next = all[(all.indexOf(event.target) + step + all.length) % all.length];
+  next.focus();
+  choose(+next.dataset.edge);
+});
 function enable() {
   const may = link.isAlive() && inControl(), ready = may && me.status === 'ready';
   byId('turn').disabled = !(ready && me.chosen !== null);
@@ -137,7 +152,8 @@ link.on('state', message => {
   showMode(message.mode);
   const attempt = message.attempt && `attempt ${message.attempt} of ${message.attempts}: `;
   const place = message.place ? `It lies on edge ${message.place.edge} at x = ${message.place.x} mm.` : '';
-  const ended = message.reached || message.felt || (message.mode === 'probing' ? 'feeling' : '');
+  const reached = place && message.outcome === 'succeeded' ? message.outcome : message.reached;
+  const ended = reached || message.felt || (message.mode === 'probing' ? 'feeling' : '');
   byId('run-line').textContent = message.phase ? `${attempt}${message.phase}` : [ended, place].filter(Boolean).join('. ');
   byId('run-line').className = message.phase ? '' : message.outcome === 'succeeded' ? 'good' : message.outcome ? 'bad' : '';
   byId('run-progress').value = message.progress;
@@ -152,7 +168,7 @@ link.on('loop', message => {
   for (const [name, value] of Object.entries(rows)) {
     if (value === '') continue;
     element(byId('loop'), 'dt', name);
-    element(byId('loop'), 'dd', value, {class: String(value).startsWith('none') ? 'bad' : ''});
+    element(byId('loop'), 'dd', shown(value), {class: String(value).startsWith('none') ? 'bad' : ''});
   }
   byId('nodes').replaceChildren();
   for (const [name, node] of Object.entries(message.nodes)) {
@@ -162,6 +178,7 @@ link.on('loop', message => {
     element(row, 'td', node.message);
   }
 });
+const shown = value => /^-?\d+\.\d+$/.test(value) ? String(+(+value).toPrecision(3)) : value;
 const MOST_LINES = 300;
 link.on('log', message => {
   const log = byId('log'), below = log.scrollHeight - log.scrollTop - log.clientHeight < 30;
@@ -190,16 +207,25 @@ link.on('alive', alive => {
   showGraph();
   enable();
 });
-link.on('closed', async () => {  // a console that wants a token refuses the socket; so does one that is gone
+const AGAIN = 1000;  // [ms] between two attempts to connect
+async function open() {
   try {
-    const answer = await fetch('map', {method: 'HEAD'});
-    byId('login').hidden = answer.status !== 401;
-    byId('lost').hidden = answer.status === 401;
-  } catch { /* it is gone; the line above says so */ }
-});
+    const needed = await (await fetch('login')).text() === 'token';
+    byId('login').hidden = !needed;
+    if (needed) byId('lost').hidden = true;
+    else link.connect();
+  } catch {  // it is gone
+    byId('lost').hidden = false;
+    setTimeout(open, AGAIN);
+  }
+}
+link.on('closed', () => setTimeout(open, AGAIN));
 async function logIn(token) {
-  const answer = await fetch('login', {method: 'POST', body: token});
-  byId('login-text').textContent = answer.ok ? '' : await answer.text();
+  try {
+    const answer = await fetch('login', {method: 'POST', body: token});
+    byId('login-text').textContent = answer.ok ? '' : await answer.text();
+  } catch { byId('login-text').textContent = 'no connection'; }
+  open();
 }
 byId('login').addEventListener('submit', event => { event.preventDefault(); logIn(byId('token').value); });
 
@@ -225,6 +251,5 @@ views.forEach((name, k) => {
     const token = location.hash.slice(1);
     history.replaceState(null, '', location.pathname);
     await logIn(token);
-  }
-  link.connect();
+  } else open();
 })();

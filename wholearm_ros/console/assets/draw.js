@@ -147,10 +147,11 @@ function makeBoard(link, mayCommand) {
     byId('scenario-name').value = (told.name || 'drawn').replace(/[^A-Za-z0-9_.-]/g, '_');
     askForCheck();
   }
-  const say = answer => {
-    byId('draw-answer').textContent = answer.message;
-    byId('draw-answer').className = answer.ok ? '' : 'bad';
+  const sayIn = id => answer => {
+    byId(id).textContent = answer.message;
+    byId(id).className = answer.ok ? '' : 'bad';
   };
+  const say = sayIn('draw-answer'), sayOpened = sayIn('opened');
 
   // ---- what is said at once: one check at a time, of the newest
   async function askForCheck() {
@@ -182,15 +183,16 @@ function makeBoard(link, mayCommand) {
   // ---- files
   byId('open').addEventListener('change', async () => {
     const answer = await link.send({type: 'open', name: byId('open').value});
-    answer.ok ? open(answer.scenario) : say(answer);
+    sayOpened(answer);
+    if (answer.ok) open(answer.scenario);
   });
   byId('import').addEventListener('change', async () => {
     const file = byId('import').files[0];
     if (!file) return;
     const kind = file.name.toLowerCase().endsWith('.dxf') ? 'dxf' : 'svg';
-    if (file.size > 400000) return say({ok: false, message: `${file.name}: got ${file.size} bytes; allowed: at most 400000`});
+    if (file.size > 400000) return sayOpened({ok: false, message: `${file.name}: got ${file.size} bytes; allowed: at most 400000`});
     const answer = await link.send({type: 'import', kind, text: await file.text()});
-    say(answer);
+    sayOpened(answer);
     byId('import').value = '';
     if (!answer.ok) return;
     state.points = answer.vertices;

@@ -1,6 +1,5 @@
 // The connection to the console: messages in by type, commands out with their answers; lost as soon as nothing is heard.
 const SILENCE = 1500;  // [ms] the bench says something every 500
-const AGAIN = 1000;  // [ms] between two attempts to connect
 
 function makeLink() {
   const heard = {}, waiting = new Map();
@@ -16,6 +15,7 @@ function makeLink() {
     tell('alive', alive);
   }
   function connect() {
+    if (socket) return;
     socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`);
     const mine = socket;
     last = performance.now();
@@ -34,7 +34,6 @@ function makeLink() {
       setAlive(false);
       socket = null;
       tell('closed');
-      setTimeout(connect, AGAIN);
     };
   }
   setInterval(() => {

@@ -29,6 +29,7 @@ HEADER = 0.2  # [inch] above it, for its number and direction
 GAP_X, GAP_Y = 0.36, 0.16
 NORMAL = 0.024  # [m] length at which a contact normal is drawn
 MARGIN = np.array([0.045, 0.02])  # [m] seen around the object
+WIDE = 8  # columns beside which the caption has room on one line
 ROTATION = {1: '↺', -1: '↻', 0: ''}
 Place = tuple[float, float]  # x to the right, y downwards [inch]
 
@@ -213,4 +214,4 @@ def _caption(plan: ContactPlan, layout: GraphLayout) -> str:
         'red: the route' if plan.found else f'no route ({plan.outcome})',
         finger,
     ]
-    return '   '.join(parts) if layout.columns > 5 else '\n'.join(parts)
+    return '   '.join(parts) if layout.columns > WIDE else '\n'.join(parts)

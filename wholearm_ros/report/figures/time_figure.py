@@ -15,11 +15,13 @@ from wholearm_ros.report.figures.mode_spans import executed_spans, merged, plann
 from wholearm_ros.report.figures.palette import EXECUTED, INK, MODE_COLOURS, MODE_NAMES, PLANNED
 from wholearm_ros.report.run_view import Controlled, RunView, controlled
 
+AFTER = 0.5  # [s] that are shown after the trajectory: what the hand feels then was not planned
 NARROW = 0.035  # share of the width below which a mode's name is left out of its band
 
 
 def draw_times(trajectory: ManipulationTrajectory, run: RunView, title: str = '') -> Figure:
     """(a) torque and modes; (b) angle and its error."""
+    run = run.until(trajectory.duration + AFTER)
     both = controlled(trajectory, run)
     figure = new_figure(9.5, 7.2, layout='constrained')
     bands, torque, angle, error = figure.subplots(

@@ -61,3 +61,5 @@ byId('play').addEventListener('click', () => {
 byId('from').addEventListener('change', chooseStart);
 byId('to').addEventListener('change', chooseRoute);
 chooseStart();
+byId('none').hidden = M.routes.length > 0;
+byId('route').hidden = byId('routes').hidden = !M.routes.length;
