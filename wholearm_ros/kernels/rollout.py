@@ -219,7 +219,8 @@ class PrimitiveCourse(NamedTuple):
 def run_primitive(world, primitive, q0, efforts, record):
     """Forward dynamics of a motion primitive from rest in q0 (5,) under efforts (2,) [N m].
 
-    Returns (records, largest LCP residual). Stops early when the object leaves the hand.
+    Returns (records, largest LCP residual). Stops early when the object leaves the hand or a finger
+    bears on an end stop.
     """
     work = new_workspace(world, 0.0, primitive.h)
     q, v, side = q0.copy(), np.zeros(q0.shape[0]), primitive.side
@@ -240,7 +241,7 @@ def run_primitive(world, primitive, q0, efforts, record):
             record.efforts[count, side] = mean / record.every
             record.efforts[count, other] = applied[other]
             mean, count = 0.0, count + 1
-        if left_the_hand(world, q):
+        if left_the_hand(world, q) or work.stops_met.any():
             break
     record.last_q[:], record.last_v[:] = q, v
     record.stops_met[:] = work.stops_met

@@ -37,7 +37,7 @@ class SearchOptions:
     search: str = BEST
     seed: int = 0
     limit: int = 5000
-    move_limit: int = 6000
+    move_limit: int = 7000
 
 
 @dataclass(frozen=True)

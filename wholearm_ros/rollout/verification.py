@@ -114,6 +114,12 @@ def roll_out(
     return Rollout(run.times, run.configurations, not reason, reason, run.residual)
 
 
+def most_beyond(sample: PerturbedSample, run: Run) -> float:
+    """How far past its goal the object turned on the way [rad], negative if it never did."""
+    turn = np.sign(sample.goal.rotation - sample.start[ROTATION])
+    return float((turn * (run.configurations[:, ROTATION] - sample.goal.rotation)).max())
+
+
 def _stopped(run: Run, controls: ControlOptions) -> str:
     """Why the mode switch stopped the run, '' when it did not."""
     if not run.stopped:
@@ -141,8 +147,7 @@ def _missing(sample: PerturbedSample, run: Run) -> str:
     missing = sample.goal.missing(run.q[POSE], MARGIN)
     if missing:
         return missing[0]
-    turn = np.sign(sample.goal.rotation - sample.start[ROTATION])
-    beyond = (turn * (run.configurations[:, ROTATION] - sample.goal.rotation)).max()
+    beyond = most_beyond(sample, run)
     if beyond > MOST_BEYOND:
         return f'it turned {beyond:.3f} rad past its goal on the way'
     speed = np.hypot(run.v[0], run.v[1])

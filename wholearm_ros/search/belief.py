@@ -17,7 +17,7 @@ from wholearm_ros.planning.problem import PlanningProblem
 from wholearm_ros.rollout.parallel import parallel_map
 from wholearm_ros.rollout.perturbed_samples import PerturbedSample, Run, follow_course
 from wholearm_ros.rollout.primitive_rollout import Rest
-from wholearm_ros.rollout.verification import MARGIN, SETTLE
+from wholearm_ros.rollout.verification import MARGIN, MOST_BEYOND, SETTLE, most_beyond
 
 SPREAD = 0.08  # in scaled coordinates, by which samples may differ from the plan
 # [1/s] in scaled coordinates: speeds of the nominal sample at rest, from where primitives are
@@ -114,6 +114,8 @@ class Samples:
         """
         speed = np.abs(run.v / self._scale).max()
         if run.stopped or run.stops_met.any() or speed > (SLOW if k else STILL):
+            return False
+        if most_beyond(self._samples[k], run) > MOST_BEYOND:
             return False
         if passage.at_goal:
             return not self._samples[k].goal.missing(run.q[POSE], MARGIN)

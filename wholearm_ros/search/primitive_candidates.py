@@ -11,6 +11,7 @@ from itertools import product
 
 import numpy as np
 
+from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import closed_pairs, four_contact_subsets
 from wholearm_ros.mechanics.quasistatic import build_quasistatics
 from wholearm_ros.mechanics.torque_range import build_torque_range, solve_torque_range
@@ -24,6 +25,7 @@ from wholearm_ros.search.arcs import TOUCHING
 SWEEP = 0.9  # [rad]
 STOP_EVERY = 0.1  # [rad] along a sweep
 JAMMED = 0.1  # [rad] by which a swept finger may lag behind before the sweep counts as jammed
+HELD = 1e-3  # [m] gap of a finger that is at the object, on the way
 LONG_SETTLE = 0.6  # [s] for a primitive that does not end at rest at once
 FLING_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
 FLING_TORQUES = (0.2, 1.0, 3.5)  # [N m]
@@ -81,7 +83,8 @@ def stops_along(
     problem: PlanningProblem, rest: Rest, sweep: MotionPrimitive, record: PrimitiveRecord
 ) -> Iterator[tuple[MotionPrimitive, np.ndarray]]:
     """Primitives that stop on the way of a simulated sweep, and where (5,) each of them stops, as
-    far as nothing is hopeless.
+    far as nothing is hopeless. Not where the other finger is in the air: its torque would take it
+    to its end stop.
     """
     side = sweep.velocity_finger
     turned = np.abs(record.wanted - rest.q[joint_index(side)])
@@ -92,6 +95,8 @@ def stops_along(
         q = record.configurations[i]
         if abs(q[joint_index(side)] - record.wanted[i]) > JAMMED or problem.hopeless(q):
             return
+        if not _touches(problem, q, 1 - side):
+            continue
         yield MotionPrimitive(side, float(np.sign(sweep.turn) * stop), sweep.torque), q
 
 
@@ -104,6 +109,12 @@ def _stops(problem: PlanningProblem, turned: np.ndarray, record: PrimitiveRecord
         return stops
     away = [problem.goal.distance(q[POSE]) for q in record.configurations]
     return np.sort(np.append(stops, turned[int(np.argmin(away))]))
+
+
+def _touches(problem: PlanningProblem, q: np.ndarray, side: int) -> bool:
+    """Whether finger `side` is at the object in q (5,), on the way."""
+    pairs = closed_pairs(problem.world, q, HELD)
+    return any(geometry.pair_body(pair) == geometry.LEFT_FINGER + side for pair in pairs)
 
 
 def _torques(problem: PlanningProblem, q: np.ndarray, side: int, style: Style) -> list[float]:

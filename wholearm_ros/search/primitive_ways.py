@@ -14,6 +14,7 @@ from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import Leg
 from wholearm_ros.rollout.parallel import parallel_map
 from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest, simulate_primitive
+from wholearm_ros.rollout.verification import MOST_BEYOND
 from wholearm_ros.search.primitive_candidates import (
     LONG_SETTLE,
     STYLES,
@@ -95,8 +96,8 @@ class PrimitiveWays:
         """How far from the top of the last cage a fling remained [rad], negative if the object came
         to rest beyond it.
         """
-        problem, end = self.tree.problem, record.configurations[-1]
-        if record.at_rest and problem.rotation_left(end) < 0.0 and not problem.hopeless(end):
+        problem = self.tree.problem
+        if self._ends_well(record) and problem.rotation_left(record.configurations[-1]) < 0.0:
             return -1.0
         peak = record.configurations[np.argmax(record.configurations[:, ROTATION])]
         return max(0.0, problem.rotation_left(peak))
@@ -134,7 +135,7 @@ class PrimitiveWays:
         state, problem = self.tree.states[k], self.tree.problem
         record = self._brought_to_rest(state.rest, move)
         end = record.configurations[-1]
-        if not record.at_rest or record.stops_met.any() or problem.hopeless(end):
+        if not self._ends_well(record):
             return None
         leg = Leg(
             0, 0, DYNAMIC, self.tree.names(end), record.path(state.rest), record.move.to_dict()
@@ -143,10 +144,22 @@ class PrimitiveWays:
         after = state.then(k, way, PRIMITIVE_PRICE, goal=goal)
         return self.tree.execute(after, ('goal', k) if goal else self.tree.cell(end))
 
+    def _ends_well(self, record: PrimitiveRecord) -> bool:
+        """Whether a primitive ends at rest where something may go on, and never turned the object
+        too far on the way.
+        """
+        problem, most = self.tree.problem, record.configurations[:, ROTATION].max()
+        return bool(
+            record.at_rest
+            and not record.stops_met.any()
+            and not problem.hopeless(record.configurations[-1])
+            and most <= problem.goal.rotation + MOST_BEYOND
+        )
+
     def _brought_to_rest(self, rest: Rest, move: MotionPrimitive) -> PrimitiveRecord:
         """The primitive simulated, with a longer pause after it where it does not end at rest."""
         (record,) = self._simulate(rest, [move])
-        if record.at_rest or move.settle >= LONG_SETTLE:
+        if record.at_rest or record.stops_met.any() or move.settle >= LONG_SETTLE:
             return record
         if self.tree.problem.hopeless(record.configurations[-1]):
             return record

@@ -18,7 +18,7 @@ from wholearm_ros.search.arcs import TOUCHING, Arcs
 from wholearm_ros.search.belief import Belief, Passage, Samples
 from wholearm_ros.search.ways import Way
 
-CELL = np.array([0.15, 0.15, 0.06, 0.18, 0.18])  # in scaled coordinates; states in one cell are one
+CELL = np.array([0.12, 0.12, 0.06, 0.15, 0.15])  # in scaled coordinates; states in one cell are one
 EXPANSIONS = 400  # in the graph of arcs of every state but the start
 REFUSAL_PRICE = 0.3  # [rad] of the rotation that is left, against a route that failed on the way
 LOSS_PRICE = 1.0  # [rad] of the rotation that is left, against the loss of all samples
