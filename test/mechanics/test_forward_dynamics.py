@@ -35,7 +35,7 @@ def sweep(scenario, side, speed, torque):
         u = min(t / 0.1, 1.0)
         rate = speed * u * u * (3.0 - 2.0 * u)
         way = speed * (u**3 - 0.5 * u**4) * 0.1 + speed * max(t - 0.1, 0.0)
-        efforts = world.finger_moment * np.cos(angles)
+        efforts = bearing_torques(world.finger_weights, angles)
         efforts[side] += 60.0 * (begin[side] + way - angles[side]) + 1.5 * (rate - velocities[side])
         efforts[1 - side] += torque * min(t / 0.05, 1.0)
         return efforts
@@ -68,7 +68,7 @@ def test_an_opened_hand_lets_the_object_stand_in_both():
     world = build_world(ASYMMETRIC)
 
     def open_up(t, angles, velocities):
-        return world.finger_moment * np.cos(angles) + [0.3, -0.3] - 0.1 * velocities
+        return bearing_torques(world.finger_weights, angles) + [0.3, -0.3] - 0.1 * velocities
 
     ours, theirs = (motion(backend, ASYMMETRIC, open_up, 0.3) for backend in ('planar', 'pybullet'))
     np.testing.assert_allclose(

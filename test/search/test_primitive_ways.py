@@ -49,7 +49,7 @@ def test_the_legs_are_primitives_from_rest_to_rest_that_physics_makes(routes):
             continue
         world = build_world(found.scenario)
         q = found.legs[0].configurations[0]
-        rest = Rest(q, world.finger_moment * np.cos(q[3:]))
+        rest = Rest(q, world.bearing(q))
         for leg in found.legs:
             if leg.mode == 'dynamic':
                 record = simulate_primitive(world, rest, MotionPrimitive.from_dict(leg.action))

@@ -193,7 +193,7 @@ def plan_probe(
             best, side, opened = found, finger, opening
         if best.worth == ENOUGH:
             break
-    weights = world.finger_moment
+    weights = world.finger_weights
     return Probe(side, best.places, np.full(2, opened), best.torque, weights, stops)
 
 

@@ -96,7 +96,7 @@ def moved_sample(scenario: Scenario, sample: PerturbedSample, x: float) -> Pertu
 def start_at_rest(sample: PerturbedSample) -> Start:
     """At the sample's start, the drives holding the fingers and asked for their weight."""
     q = sample.start
-    return Start(q, np.zeros(SIZE), sample.world.finger_moment * np.cos(q[JOINTS]), True, -1)
+    return Start(q, np.zeros(SIZE), sample.world.bearing(q), True, -1)
 
 
 def follow_course(

@@ -143,7 +143,7 @@ class PyBulletHand:
         for point in self._bullet.getContactPoints(bodyA=self._object):
             if point[2] == self._object:
                 continue
-            other = 'palm' if point[2] != self._fingers else SIDES[point[4]]
+            other = 'palm' if point[2] != self._fingers else self._sides[point[4]]
             where = np.array([point[5][0], point[5][2]]) / SCALE
             normal = np.array([point[7][0], point[7][2]])
             found.append(ContactPoint(other, where, normal, point[8] / SCALE, point[9] / SCALE))
@@ -194,24 +194,37 @@ class PyBulletHand:
         return body
 
     def _make_fingers(self) -> int:
+        """Both fingers are links of one body; further parts are fixed to them, without mass."""
         fingers = (self.scenario.hand.left, self.scenario.hand.right)
-        body = self._chain(
-            [
+        links = []
+        for f in fingers:
+            x, y = f.shape.centre * SCALE
+            links.append(
                 _Link(
                     pybullet.JOINT_REVOLUTE,
                     _CCW,
                     parent=0,
                     mass=f.mass,
-                    shape=self._prism(f.outline, HAND_DEPTH),
+                    shape=self._prism(f.shape.parts[0], HAND_DEPTH),
                     position=(f.axis[0] * SCALE, 0.0, f.axis[1] * SCALE),
-                    centre=(f.length / 2 * SCALE, 0.0, 0.0),
+                    centre=(x, 0.0, y),
                 )
-                for f in fingers
-            ]
-        )
+            )
+        self._sides = list(SIDES)  # of the links
+        for side, f in enumerate(fingers):
+            for part in f.shape.parts[1:]:
+                shape = self._prism(part, HAND_DEPTH)
+                # PyBullet has a link's position from its parent's centre of mass.
+                x, y = -f.shape.centre * SCALE
+                links.append(
+                    _Link(
+                        pybullet.JOINT_FIXED, _CCW, side + 1, shape=shape, position=(x, 0.0, y)
+                    )
+                )
+                self._sides.append(SIDES[side])
+        body = self._chain(links)
         for joint, f in enumerate(fingers):
-            about_centre = f.inertia - f.mass * (f.length / 2) ** 2  # rotor included
-            self._set_inertia(body, joint, about_centre)
+            self._set_inertia(body, joint, f.inertia_about_centre)
             low, high = f.angle_limits
             self._bullet.changeDynamics(body, joint, jointLowerLimit=low, jointUpperLimit=high)
         return body
@@ -257,7 +270,7 @@ class PyBulletHand:
                 self._bullet.setCollisionFilterGroupMask(body, link, *groups)
                 if link >= 0:
                     kind, force = pybullet.VELOCITY_CONTROL, 0.0  # a motor that brakes is friction
-                    if body == self._fingers:
+                    if body == self._fingers and link < len(SIDES):
                         force = self.scenario.hand[link].joint_friction * SCALE**2
                     self._bullet.setJointMotorControl2(body, link, kind, force=force)
 
