@@ -27,6 +27,9 @@ from wholearm_ros.simulation.contact_point import ContactPoint
 
 PHYSICS_RATE = 4000.0  # [Hz] at least
 CORNER_RADIUS = 1e-6  # [m] of the spheres that stand for vertices
+# [m] of the distance of a corner from a prism. At MuJoCo's own, as large as the corners, a corner on a
+# face was at times pushed off along the normal of no face at all.
+CCD_TOLERANCE = 1e-10
 HALF_DEPTH = 0.05  # [m] of every body across the plane; it carries no physics
 # Contacts and end stops. `solref`: the shortest time constant that MuJoCo allows, in steps, and a
 # damping ratio: the larger, the less of an impact's penetration comes back as speed. `solimp`: the
@@ -146,7 +149,8 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
   <compiler angle="radian"/>
   <option timestep="{dt}" gravity="{_numbers([scenario.gravity.pull])} 0" integrator="Euler"
           cone="elliptic" impratio="{FRICTION_IMPEDANCE}"
-          solver="Newton" jacobian="dense" iterations="100" tolerance="1e-12">
+          solver="Newton" jacobian="dense" iterations="100" tolerance="1e-12"
+          ccd_tolerance="{CCD_TOLERANCE}">
     <flag multiccd="disable"/>
   </option>
   <default>
