@@ -22,7 +22,9 @@ HERE = Path(__file__).parent
 
 def shipped(*names: str) -> list[dict]:
     """Shipped scenarios as dictionaries."""
-    return [scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml')) for name in names]
+    return [
+        scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml')) for name in names
+    ]
 
 
 SHIPPED = shipped('asymmetric_hexagon', 'regular_hexagon')
@@ -32,7 +34,8 @@ HANDS = {
     'unequal': 'unequal_fingers',
     'v_palm': 'v_palm',
 }
-PLACES = {'v_palm': (0.02, 0.06)}  # [m] how far from the middle an object starts, on one side of a V
+# [m] how far from the middle an object starts: on one side of a V.
+PLACES = {'v_palm': (0.02, 0.06)}
 CORNERS = (
     6,
     5,

@@ -111,12 +111,7 @@ def test_a_step_is_gauss_principle():
     """v⁺ is nearest (in the mass metric) to the free velocity among those that do not penetrate: compared with the LCP of
     all pairs near, its active sets tried one by one."""
     for world, q, v in free_configurations(30, 40):
-        free = (
-            v
-            - H
-            * np.concatenate([world.load[:3], world.bearing(q)])
-            / world.inertias
-        )
+        free = v - H * np.concatenate([world.load[:3], world.bearing(q)]) / world.inertias
         gaps, codes = gap_table(world, q)
         near = gaps < time_stepping.NEAR
         rows = np.empty((near.sum(), 5))
@@ -131,12 +126,7 @@ def test_impulses_push_and_only_where_contacts_close():
     """M (v⁺ − v_free) is a non-negative combination of the rows of pairs that end the step closed: complementarity."""
     hits = 0
     for world, q, v in free_configurations(31, 60):
-        free = (
-            v
-            - H
-            * np.concatenate([world.load[:3], world.bearing(q)])
-            / world.inertias
-        )
+        free = v - H * np.concatenate([world.load[:3], world.bearing(q)]) / world.inertias
         work = work_of(world)
         _, after, closed, _ = one_step(world, q, v, work=work)
         gaps, codes, active = work.gaps, work.codes, work.active[: -time_stepping.STOPS : 2]

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, HEPTAGON, REGULAR
+from problems import ASYMMETRIC, HEPTAGON, OF_SHAPES, REGULAR
 
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.weight import bearing_torques
 from wholearm_ros.simulation.factory import make_hand
 
 pytest.importorskip('pybullet')
@@ -50,8 +51,21 @@ def sweep(scenario, side, speed, torque):
         (ASYMMETRIC, 1, 0.6, -0.15),
         (REGULAR, 0, -0.6, 0.1),
         (HEPTAGON, 0, -0.4, 0.1),
+        (OF_SHAPES['tapered_fingers'], 0, -0.6, 0.15),
+        (OF_SHAPES['hooked_fingers'], 0, -0.6, 0.15),
+        (OF_SHAPES['hooked_fingers'], 1, 0.6, -0.15),
+        (OF_SHAPES['unequal_fingers'], 1, 0.6, -0.15),
     ],
-    ids=['asymmetric_to_the_right', 'asymmetric_to_the_left', 'regular', 'heptagon'],
+    ids=[
+        'asymmetric_to_the_right',
+        'asymmetric_to_the_left',
+        'regular',
+        'heptagon',
+        'tapered',
+        'hooked_to_the_right',
+        'hooked_to_the_left',
+        'unequal',
+    ],
 )
 def test_a_slide_between_the_fingers_is_what_pybullet_makes_of_it(scenario, side, speed, torque):
     """0.4 s, the object moves by more than 1 cm: poses differ by at most 0.1 mm and 1 mrad all the way."""

@@ -91,7 +91,9 @@ def test_outlines_are_rigid(told):
     sides = np.linalg.norm(
         np.diff(finger_outline(finger, 1.1), axis=0, append=finger_outline(finger, 1.1)[:1]), axis=1
     )
-    assert sorted(np.round(sides, 9)) == sorted([2 * finger.shape.half_width] * 2 + [finger.shape.length] * 2)
+    assert sorted(np.round(sides, 9)) == sorted(
+        [2 * finger.shape.half_width] * 2 + [finger.shape.length] * 2
+    )
     moved = object_outline(scenario, np.array([0.1, 0.2, 0.7]))
     assert np.allclose(
         moved.mean(axis=0),

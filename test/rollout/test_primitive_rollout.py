@@ -42,10 +42,7 @@ def test_a_primitive_ends_at_rest_where_it_should(primitive):
     assert record.at_rest and record.residual <= 1e-9
     assert np.abs(record.velocities[-1] / world.scale).max() < 0.01
     assert end.q[3 + side] == pytest.approx(start.q[3 + side] + primitive.turn, abs=0.01)
-    held = (
-        world.bearing(start.q)[1 - side]
-        + CLOSING[1 - side] * primitive.torque
-    )
+    held = world.bearing(start.q)[1 - side] + CLOSING[1 - side] * primitive.torque
     assert end.efforts[1 - side] == pytest.approx(held, abs=1e-12)
     assert (np.abs(record.efforts) <= world.torque_limits).all()
 

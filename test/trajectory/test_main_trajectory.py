@@ -166,7 +166,9 @@ def test_caging_presses_with_no_more_than_its_torque(name, how):
             continue
         ids = list(samples_of(t, segment))
         finger = segment.torque_finger
-        extra = t.efforts[ids, finger] - bearing_torques(world.finger_weights, t.angles[ids])[:, finger]
+        extra = (
+            t.efforts[ids, finger] - bearing_torques(world.finger_weights, t.angles[ids])[:, finger]
+        )
         np.testing.assert_allclose(CLOSING[finger] * extra, OPTIONS[how].caging_torque, atol=1e-9)
         assert (np.diff(t.poses[ids, 2]) >= -1e-12).all()
 

@@ -18,8 +18,8 @@ from wholearm_ros.model.hand import LEFT, RIGHT
 
 VERTEX_EDGE, EDGE_CORNER = 0, 1  # object vertex on hand edge; object edge on hand corner
 PALM, LEFT_FINGER, RIGHT_FINGER = 0, 1, 2
-# Features of a finger that is a rectangle: its edges INNER, TIP, OUTER, BASE, and the two corners at
-# its tip, of INNER and of OUTER. Those of any other shape have the numbers after these.
+# How many features a rectangular finger has: its inner, tip, outer and base edge, and the two
+# corners at its tip, the inner one first. Those of any other shape have the numbers after these.
 RECTANGLE_EDGES, RECTANGLE_CORNERS = 4, 2
 SWEEP, HALVINGS = 90, 50  # steps of a closing finger's sweep, and of the bisection of the last one
 
@@ -255,16 +255,16 @@ def tangent_rows(world, codes, q, rows):
 
 @inlined
 def table_size(world):
-    """Entries of the gap table: each object vertex with each palm edge and each part of a finger, each
-    hand corner with the object.
+    """Entries of the gap table: each object vertex with each palm edge and each part of a finger,
+    each hand corner with the object.
     """
     return _first_corner(world) + world.features.corners.shape[0] + world.corners.shape[0]
 
 
 @inlined
 def _first_corner(world):
-    """The table's first entry of a hand corner: after every vertex with every palm edge and all parts
-    of both fingers.
+    """The table's first entry of a hand corner: after every vertex with every palm edge and all
+    parts of both fingers.
     """
     return world.obj.shape[0] * (world.palm.shape[0] - 1 + world.features.parts.shape[0])
 

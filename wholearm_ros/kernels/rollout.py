@@ -177,9 +177,8 @@ def _drive(world, plant, start, n, state, motors):
             acting = start.efforts[side]
             if start.at_rest:
                 j = joint(side)
-                acting = holding_effort(
-                    HOLD_GAINS, weight_at(world.finger_weights, side, state.q[j]), start.q[j], state.q[j], state.v[j]
-                )
+                weight = weight_at(world.finger_weights, side, state.q[j])
+                acting = holding_effort(HOLD_GAINS, weight, start.q[j], state.q[j], state.v[j])
         limit = world.torque_limits[side]
         motors.applied[side] = min(max(acting, -limit), limit) * plant.torque_factors[side]
 

@@ -24,7 +24,7 @@ FINGER_CORNERS = ('inner_corner', 'outer_corner')
 
 
 def pair_name(code: int) -> str:
-    """A contact pair in words: `v0:palm.e0`, `v5:left.inner`, `e3:right.inner_corner`; with a finger
+    """A contact pair in words: `v0:palm.e0`, `v5:left.inner`, `e3:right.inner_corner`; of a finger
     that is no rectangle `v5:left.e0`, `e3:right.c1`, see `finger_features`.
     """
     kind, body = geometry.pair_kind(code), geometry.pair_body(code)
@@ -51,12 +51,12 @@ def pair_from_name(name: str) -> int:
     elif feature[0] == letter:
         number = _index(feature[1:], len(features))
     else:
-        raise ValueError(f'contact pair {name}: feature {feature}; allowed: {letter}0, {letter}1, …')
+        raise ValueError(f'contact pair {name}: got {feature}; allowed: {letter}0, {letter}1, …')
     return int(geometry.pair_code(kind, 1 + SIDES.index(body), number, _index(obj[1:])))
 
 
 def _finger_features(kind: int) -> tuple[tuple[str, ...], str]:
-    """Names of a rectangle's features of a pair's kind, and what those of other shapes begin with."""
+    """Names of a rectangle's features of that kind, and what those of other shapes begin with."""
     return (FINGER_EDGES, 'e') if kind == geometry.VERTEX_EDGE else (FINGER_CORNERS, 'c')
 
 
@@ -112,8 +112,8 @@ def closed_pairs(world: World, q: np.ndarray, tolerance: float = CLOSED_GAP) -> 
 
 
 def contact_state_matrix(world: World, pairs: Sequence[int]) -> np.ndarray:
-    """C (2n, h), bool: rows are the object's vertices then edges, columns the hand's features: edges
-    then corners of the palm, of the left and of the right finger.
+    """C (2n, h), bool: rows are the object's vertices then edges, columns the hand's features:
+    edges then corners of the palm, of the left and of the right finger.
     """
     n, columns = len(world.obj), []
     for body in (geometry.PALM, geometry.LEFT_FINGER, geometry.RIGHT_FINGER):

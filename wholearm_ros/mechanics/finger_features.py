@@ -1,6 +1,6 @@
 """Edges and corners of fingers, numbered: what contact pairs name.
 
-Features are counted from the inner corner at the base, first towards the tip and then round, so that
+They are counted from the inner corner at the base, first towards the tip and then round, so that
 those of a finger and of its mirror image have the same numbers; one part after the other.
 """
 
@@ -48,7 +48,9 @@ def build_finger_features(hand: Hand) -> FingerFeatures:
         parts=readonly(parts, dtype=np.int64),
         edges=readonly([e for finger in fingers for edges in finger.parts for e in edges]),
         corners=readonly([c for finger in fingers for c in finger.corners]),
-        corner_sides=readonly(np.repeat([LEFT, RIGHT], [len(f.corners) for f in fingers]), None, int),
+        corner_sides=readonly(
+            [side for side, finger in enumerate(fingers) for _ in finger.corners], dtype=np.int64
+        ),
         edge_ends=readonly([e for finger in fingers for e in finger.ends], dtype=np.int64),
         edges_at=readonly([c for finger in fingers for c in finger.meeting], dtype=np.int64),
         edge_rows=readonly(edge_rows, dtype=np.int64),
@@ -97,7 +99,7 @@ def _numbered(shape: FingerShape, side: int) -> _Numbered:
 
 
 def _walk(part: np.ndarray, inward: float) -> list[tuple[int, int]]:
-    """The edges as pairs of vertices, from the inner corner at the base towards the tip and round."""
+    """The edges as pairs of vertices, from the inner one at the base towards the tip and round."""
     first = min(range(len(part)), key=lambda k: (part[k, 0], -inward * part[k, 1]))
     step = 1 if inward < 0.0 else -1
     order = [(first + step * k) % len(part) for k in range(len(part) + 1)]

@@ -16,8 +16,8 @@ class Probe:
 
     places: (k,) angles of the held finger at which the pair of angles is read [rad], each further
     closed than the one before; opened: (2,) how far each finger opens first [rad]; torque: of the
-    closing finger [N m], beyond its own weight; weights: (2, 2) [N m] of the fingers, along and
-    across each, see `weight.bearing_torques`; stops: (2,) angles beyond which no finger is sent [rad].
+    closing finger [N m], beyond its own weight; weights: (2, 2) [N m] of the fingers, see
+    `weight.bearing_torques`; stops: (2,) angles beyond which no finger is sent [rad].
     """
 
     held: int

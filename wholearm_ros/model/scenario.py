@@ -132,8 +132,8 @@ class Scenario:
 
     @property
     def finger_weights(self) -> np.ndarray:
-        """(2, 2) [N m], a row a finger, left then right: m g times how far its centre of mass is from
-        the axis along and across it; m g L / 2 and 0 of a rectangle. See `weight.bearing_torques`.
+        """(2, 2) [N m], a row a finger, left then right: m g times how far its centre of mass is
+        from the axis along and across it; m g L / 2 and 0 of a rectangle. See `bearing_torques`.
         """
         g, fingers = -float(self.gravity.pull[1]), (self.hand.left, self.hand.right)
         return readonly([f.mass * g * f.shape.centre for f in fingers])

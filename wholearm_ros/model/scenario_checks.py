@@ -94,7 +94,8 @@ def _finger_problems(key: str, finger: FingerTable) -> list[str]:
         problems.append(
             f'{key}.angle_limits: got {finger.angle_limits}; allowed: the lower one first'
         )
-    return problems + (_polygon_finger_problems if _drawn(finger) else _rectangle_problems)(key, finger)
+    shape = _drawn_finger_problems if _drawn(finger) else _rectangle_problems
+    return problems + shape(key, finger)
 
 
 def finger_shape(finger: FingerTable) -> FingerShape:
@@ -130,7 +131,7 @@ def _rectangle_problems(key: str, finger: FingerTable) -> list[str]:
     return []
 
 
-def _polygon_finger_problems(key: str, finger: FingerTable) -> list[str]:
+def _drawn_finger_problems(key: str, finger: FingerTable) -> list[str]:
     given = [
         name
         for name in ('length', 'half_width', 'vertices', 'parts')
@@ -147,13 +148,13 @@ def _polygon_finger_problems(key: str, finger: FingerTable) -> list[str]:
 
 
 def _place_of_axis_problems(key: str, parts: list[np.ndarray]) -> list[str]:
-    """The axis, the origin, is in the finger, the finger goes along x, and its parts hang together."""
+    """Where the axis is not in the finger, or that does not go along x, or not in one piece."""
     tables = [edge_table(part, closed=True) for part in parts]
     away = min(point_clearance(table, HERE, 0.0, 0.0)[0] for table in tables)
     if away > ON_OUTLINE:
         return [
-            f'{key}: got a finger beside its axis, {1e3 * away:.3g} mm off; allowed: vertices about the '
-            'axis, which is their origin and lies in the finger'
+            f'{key}: got a finger {1e3 * away:.3g} mm beside its axis; '
+            'allowed: vertices about the axis, which is their origin, and lies in the finger'
         ]
     length = max(float(part[:, 0].max()) for part in parts)
     if length < MIN_EDGE:
@@ -163,7 +164,8 @@ def _place_of_axis_problems(key: str, parts: list[np.ndarray]) -> list[str]:
         ]
     held, waiting = [0], list(range(1, len(parts)))
     for one in held:
-        near = [k for k in waiting if part_clearance(tables[one], HERE, tables[k], HERE) <= ON_OUTLINE]
+        gaps = {k: part_clearance(tables[one], HERE, tables[k], HERE) for k in waiting}
+        near = [k for k, gap in gaps.items() if gap <= ON_OUTLINE]
         waiting = [k for k in waiting if k not in near]
         held += near
     return [

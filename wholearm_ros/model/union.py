@@ -14,8 +14,8 @@ SAME_END = 1e-7  # [m] ends of an outline's pieces that are nearer are one
 
 
 def union_moments(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """(4,): area [m²], first moments about the origin [m³] and second polar moment [m⁴] of the union,
-    what parts share counted once: by inclusion and exclusion.
+    """(4,): area [m²], first moments [m³] and second polar moment [m⁴] about the origin of the
+    union; what parts share is counted once, by inclusion and exclusion.
     """
     total = np.zeros(4)
     for k, part in enumerate(parts):
@@ -73,8 +73,8 @@ def union_outline(parts: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _exposed(parts: Sequence[np.ndarray], k: int) -> list[np.ndarray]:
-    """Pieces (2, 2) of a part's edges, start and end, beyond which there is no other part. Where two
-    parts have a piece in common, it is the earlier one's.
+    """Pieces (2, 2) of a part's edges, start and end, beyond which there is no other part. Where
+    two parts have a piece in common, it is the earlier one's.
     """
     found = []
     for x, y, nx, ny, length in edge_table(parts[k], closed=True):

@@ -1,4 +1,4 @@
-"""What bears the weight of a finger, as plain formulas: `kernels/` compiles these very functions."""
+"""What bears the weight of a finger, as plain formulas that `kernels/` compiles as they are."""
 
 import numpy as np
 

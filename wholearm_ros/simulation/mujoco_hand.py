@@ -27,8 +27,8 @@ from wholearm_ros.simulation.contact_point import ContactPoint
 
 PHYSICS_RATE = 4000.0  # [Hz] at least
 CORNER_RADIUS = 1e-6  # [m] of the spheres that stand for vertices
-# [m] of the distance of a corner from a prism. At MuJoCo's own, as large as the corners, a corner on a
-# face was at times pushed off along the normal of no face at all.
+# [m] of the distance of a corner from a prism. At MuJoCo's own, as large as the corners, a corner
+# on a face was at times pushed off along the normal of no face at all.
 CCD_TOLERANCE = 1e-10
 HALF_DEPTH = 0.05  # [m] of every body across the plane; it carries no physics
 # Contacts and end stops. `solref`: the shortest time constant that MuJoCo allows, in steps, and a
@@ -235,7 +235,7 @@ def _spheres(body: str, points: np.ndarray) -> str:
 
 
 def _pairs(object_vertices: int, palm_vertices: int, shapes: Mapping[str, FingerShape]) -> str:
-    """Who meets whom: the object's vertices what the hand consists of, the hand's corners the prism."""
+    """Who meets whom: the object's vertices the solids of the hand, its corners the prism."""
     solids = [f'palm_box{k}' for k in range(palm_vertices - 1)]
     corners = [('prism', f'palm_corner{k}') for k in range(palm_vertices)]
     for side, shape in shapes.items():

@@ -8,7 +8,7 @@ import numpy as np
 
 from wholearm_ros.kernels.interpolation import slew_limited
 from wholearm_ros.kernels.world import World
-from wholearm_ros.model.configuration import JOINTS, ROTATION, SIZE, joint_index
+from wholearm_ros.model.configuration import ROTATION, SIZE, joint_index
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.interpolation import quintic
 from wholearm_ros.model.modes import CAGING, DYNAMIC

@@ -101,8 +101,9 @@ def _finger(finger: Finger, joint: str, frame: str) -> list[str]:
 
 
 def _boxes(shape: FingerShape) -> Iterator[tuple[float, float, float, float]]:
-    """low x, high x, low y, high y [m] of boxes that fill a finger: URDF has no polygons. A part that
-    is no rectangle is cut into SLICES across x, each as wide as it is in its middle.
+    """low x, high x, low y, high y [m] of boxes that fill a finger: URDF has no polygons.
+
+    A part that is no rectangle is cut into SLICES across x, each as wide as in its middle.
     """
     if isinstance(shape, Rectangle):
         yield 0.0, shape.length, -shape.half_width, shape.half_width
