@@ -8,11 +8,20 @@ from plain_geometry import finger_features, finger_parts, object_outline, separa
 from problems import HANDS, OF_SHAPES
 
 import wholearm_ros as wa
+from wholearm_ros.errors import ScenarioError
 from wholearm_ros.kernels import geometry
-from wholearm_ros.mechanics.contacts import closing_angle, contact_rows, gap_table, pair_name
+from wholearm_ros.mechanics.contacts import (
+    closing_angle,
+    contact_rows,
+    gap_table,
+    pair_name,
+    start_configuration,
+)
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.backends import BACKENDS, installed_backends
 from wholearm_ros.model.hand import CLOSING, SIDES
+from wholearm_ros.model.scenario import StartOnEdge
+from wholearm_ros.rollout.initial_state import perturbed_start
 from wholearm_ros.simulation.factory import make_hand
 
 SCENARIO = OF_SHAPES['tapered_fingers']
@@ -116,3 +125,16 @@ def test_a_plan_of_each_hand_is_executed_in_every_engine(planned):
     for backend in installed_backends():
         run = wa.simulate(scenario, result.trajectory, backend=backend)
         assert wa.judge(scenario, run).executed, backend
+
+
+def test_an_object_that_in_truth_reaches_over_the_bend_of_a_palm_is_set_down_above_it():
+    """As told it lies just beside the bend; the true one, 2 mm on, would be 0.2 mm in the other slope."""
+    v_palm = OF_SHAPES['v_palm']
+    ends = object_outline(v_palm, start_configuration(v_palm))[:2]
+    told = replace(v_palm, start=StartOnEdge(0, v_palm.start.x - ends[1, 0] - 2e-4))
+    start_configuration(told)
+    truth = replace(told, start=StartOnEdge(0, told.start.x + 2e-3))
+    with pytest.raises(ScenarioError, match='penetrates the hand by 0.2'):
+        start_configuration(truth)
+    gaps, _ = gap_table(build_world(truth), perturbed_start(told, truth))
+    assert abs(gaps).min() < 1e-6 and gaps.min() > -1e-4

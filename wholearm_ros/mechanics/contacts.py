@@ -178,10 +178,14 @@ def close_finger(world: World, pose: np.ndarray, side: int) -> float:
     return angle
 
 
-def start_configuration(scenario: Scenario, world: World | None = None) -> np.ndarray:
+def start_configuration(
+    scenario: Scenario, world: World | None = None, lifted: bool = False
+) -> np.ndarray:
     """q (5,) at the start: the object at rest on the palm, the fingers closed on it.
 
-    Of a start at a pose, what nearly touches touches: poses are written with few digits.
+    Of a start at a pose, what nearly touches touches: poses are written with few digits. lifted:
+    whether an object on an edge that would penetrate another segment of the palm is set down above
+    it.
 
     Raises ScenarioError when a finger cannot touch the object, or the start penetrates the hand.
     """
@@ -193,6 +197,8 @@ def start_configuration(scenario: Scenario, world: World | None = None) -> np.nd
         pose = pose_on_palm(
             world, start.x, start_rotation(scenario), palm_segment_under(scenario.palm, start.x)
         )
+        if lifted:
+            pose[1] += _height_missing(world, pose)
         q = np.concatenate(
             [pose, [close_finger(world, pose, LEFT), close_finger(world, pose, RIGHT)]]
         )
@@ -203,6 +209,20 @@ def start_configuration(scenario: Scenario, world: World | None = None) -> np.nd
             f'allowed: at most {1000 * DEEPEST_START:.2f} mm'
         )
     return q
+
+
+def _height_missing(world: World, pose: np.ndarray) -> float:
+    """By how much [m] an object at `pose` (3,) has to rise so as not to be too deep in the palm."""
+    height = 0.0
+    for _ in range(len(world.palm)):
+        q = np.array([pose[0], pose[1] + height, pose[2], *world.limits.mean(axis=1)])
+        found = zip(*gap_table(world, q))
+        deep = [(gap, code) for gap, code in found if geometry.pair_body(code) == geometry.PALM]
+        gap, code = min(deep)
+        if gap >= -DEEPEST_START:
+            break
+        height -= gap / geometry.contact(world, code, q).ny
+    return height
 
 
 def _in_contact(world: World, scenario: Scenario, told: np.ndarray) -> np.ndarray:
