@@ -20,7 +20,8 @@ from problems import ASYMMETRIC, HANDS, random_configuration, scenarios, task, w
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.contacts import contact_rows, gap_table, start_configuration
 from wholearm_ros.mechanics.world import build_world
-from wholearm_ros.model.hand import LEFT, RIGHT
+from wholearm_ros.model.finger_shape import ConvexParts
+from wholearm_ros.model.hand import LEFT, RIGHT, Hand
 
 STEP = 1e-6  # [m, rad] of the finite differences
 
@@ -201,3 +202,38 @@ def test_a_gap_does_not_change_when_object_and_finger_turn_together_about_the_fi
     gaps, codes = gap_table(world, q)
     own = [k for k, code in enumerate(codes) if geometry.pair_body(code) == 1 + side]
     np.testing.assert_allclose(gap_table(world, moved)[0][own], gaps[own], atol=1e-13)
+
+
+@every_hand
+def test_edges_end_in_the_corners_that_they_are_said_to_meet_in(hand):
+    """Two edges a corner, each with an end there that names the corner."""
+    world = build_world(replace(ASYMMETRIC, hand=hand))
+    known, at = world.features, geometry.frame_at(0.3, -0.2, 0.7)
+    for side in (LEFT, RIGHT):
+        own = np.flatnonzero(known.corner_sides == side)
+        for row in own:
+            number = row - known.corner_rows[side]
+            place = geometry.finger_corner(world, side, number, at)
+            assert len(set(known.edges_at[row])) == 2 and (known.edges_at[row] >= 0).all()
+            for feature in known.edges_at[row]:
+                edge = geometry.finger_edge(world, side, feature, at)
+                named = known.edge_ends[known.edge_rows[side] + feature] == number
+                assert named.sum() == 1
+                along = edge.length if named[1] else 0.0
+                end = (edge.x + along * edge.dx, edge.y + along * edge.dy)
+                np.testing.assert_allclose(place, end, atol=1e-15)
+
+
+def test_parts_that_meet_along_an_edge_have_one_corner_at_each_end_of_it():
+    """A rectangle cut across: the cut's edges are hidden, the halves of its sides follow each other."""
+    halves = [[[0, -0.006], [0.1, -0.006], [0.1, 0.006], [0, 0.006]]]
+    halves.append([[0.1, -0.006], [0.15, -0.006], [0.15, 0.006], [0.1, 0.006]])
+    finger = replace(ASYMMETRIC.hand.left, shape=ConvexParts(halves))
+    known = build_world(replace(ASYMMETRIC, hand=Hand(finger, finger.mirrored()))).features
+    for side in (LEFT, RIGHT):
+        corners = known.corners[known.corner_sides == side]
+        assert len(corners) == 6
+        edges = known.edges_at[known.corner_sides == side] - geometry.RECTANGLE_EDGES
+        met = {tuple(np.round(c, 9)): set(e) for c, e in zip(corners.tolist(), edges.tolist())}
+        inner = -0.006 if side == LEFT else 0.006
+        assert met[0.1, inner] == {0, 4} and met[0.1, -inner] == {2, 6}

@@ -1,5 +1,6 @@
 """Time stepping: the complementarity problem, impacts, energy, momentum, and the loops that step."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -10,6 +11,8 @@ from wholearm_ros.kernels import geometry, time_stepping
 from wholearm_ros.kernels.lcp import lcp_residual, new_lcp, solve_lcp
 from wholearm_ros.mechanics.contacts import gap_table, start_configuration
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.finger_shape import ConvexParts
+from wholearm_ros.model.hand import Hand
 
 H = 0.001  # [s]
 
@@ -284,18 +287,31 @@ def test_a_finger_that_comes_to_its_end_stop_stays_there(side, end):
 
 
 # ---------------------------------------------------------------------- the loop that steps
+def in_two_parts(scenario, joint):
+    """The same with rectangular fingers cut across at `joint` [m]."""
+    fingers = []
+    for finger in (scenario.hand.left, scenario.hand.right):
+        outline = finger.shape.outline
+        ends = [np.clip(outline[:, 0], 0.0, joint), np.clip(outline[:, 0], joint, None)]
+        parts = [np.column_stack([end, outline[:, 1]]) for end in ends]
+        fingers.append(replace(finger, shape=ConvexParts(parts)))
+    return replace(scenario, hand=Hand(*fingers))
+
+
 @pytest.mark.parametrize('side', [0, 1])
 @pytest.mark.parametrize('vertex', range(6))
 @pytest.mark.parametrize('lean', [-0.1, 0.0, 0.1])
-def test_a_vertex_that_slides_off_a_finger_s_tip_meets_nothing(side, vertex, lean):
+@pytest.mark.parametrize('joint', [None, 0.149], ids=['whole', 'of_two_parts'])
+def test_a_vertex_that_slides_off_a_finger_s_tip_meets_nothing(side, vertex, lean, joint):
     """Without forces the object slides along the finger's inner face at 0.3 m/s and past its tip: nothing is in its way, though
-    the tip's corner crosses the lines of both edges that meet in the vertex."""
-    world = build_world(ASYMMETRIC)
+    the tip's corner crosses the lines of both edges that meet in the vertex; nor where two parts meet along an edge."""
+    world = build_world(ASYMMETRIC if joint is None else in_two_parts(ASYMMETRIC, joint))
     q, v, work = start_configuration(ASYMMETRIC).copy(), np.zeros(5), work_of(world)
     q[3:] = [(1.3, 0.2), (2.9, 1.8)][side]  # the other finger is out of the way
     u = np.array([np.cos(q[3 + side]), np.sin(q[3 + side])])
     inner = np.array([u[1], -u[0]]) if side == 0 else np.array([-u[1], u[0]])
-    axis, (length, half) = world.fingers[side, :2], world.rectangles[side]
+    axis, shape = world.fingers[side, :2], ASYMMETRIC.hand[side].shape
+    length, half = shape.length, shape.half_width
     normals = world.obj[[vertex - 1, vertex], 2:4]
     outwards = np.arctan2(*normals.sum(axis=0)[::-1])
     q[2] = np.arctan2(-inner[1], -inner[0]) - outwards + lean
