@@ -1,7 +1,9 @@
 """Makes benchmarks/suite.json: the shipped scenarios, and polygons of 4 to 8 vertices drawn from a seed, to be turned onto
 their next face.
 
-    python benchmarks/make_suite.py [--tasks 24] [--seed 1] [--out benchmarks/suite.json]
+    python benchmarks/make_suite.py [--tasks 24] [--seed 1] [--hand tapered] [--out benchmarks/suite.json]
+
+With --hand they are turned in another hand, that of the shipped scenario of this kind, which is the first task.
 """
 
 import argparse
@@ -16,10 +18,24 @@ from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario_file import load_scenario, parse_scenario, scenario_to_dict
 
 HERE = Path(__file__).parent
-SHIPPED = [
-    scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml'))
-    for name in ('asymmetric_hexagon', 'regular_hexagon')
-]
+
+
+def shipped(*names: str) -> list[dict]:
+    """Shipped scenarios as dictionaries."""
+    return [
+        scenario_to_dict(load_scenario(HERE.parent / 'config' / f'{name}.yaml')) for name in names
+    ]
+
+
+SHIPPED = shipped('asymmetric_hexagon', 'regular_hexagon')
+HANDS = {
+    'tapered': 'tapered_fingers',
+    'hooked': 'hooked_fingers',
+    'unequal': 'unequal_fingers',
+    'v_palm': 'v_palm',
+}
+# [m] how far from the middle an object starts: on one side of a V.
+PLACES = {'v_palm': (0.02, 0.06)}
 CORNERS = (
     6,
     5,
@@ -36,9 +52,15 @@ CORNERS = (
 )  # how many, one task after the other: mostly hexagons
 
 
-def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
+def random_task(
+    rng: np.random.Generator,
+    corners: int,
+    name: str,
+    like: dict = SHIPPED[0],
+    places: tuple[float, float] = (0.0, 0.03),
+) -> dict:
     """A scenario as a dictionary: a convex polygon 10 to 14 cm across, at rest between the fingers, to be turned onto the next
-    edge on which it can rest, either way round. What cannot be started is drawn again."""
+    edge on which it can rest, either way round, in the hand of another scenario. What cannot be started is drawn again."""
     while True:
         vertices, turn, edge = (
             _outline(rng, corners),
@@ -50,10 +72,10 @@ def random_task(rng: np.random.Generator, corners: int, name: str) -> dict:
             stable = polygon.resting_edges
             goal = stable[(stable.index(edge) - turn) % len(stable)]
             task = {
-                **SHIPPED[0],
+                **like,
                 'name': name,
                 'object': {'vertices': vertices, 'mass': round(rng.uniform(0.2, 0.5), 3)},
-                'start': {'edge': edge, 'x': -turn * round(rng.uniform(0.0, 0.03), 2)},
+                'start': {'edge': edge, 'x': -turn * round(rng.uniform(*places), 2)},
                 'goal': {'edge': goal, 'direction': 'ccw' if turn > 0 else 'cw'},
             }
             start_configuration(parse_scenario(task))
@@ -80,11 +102,17 @@ def main():
     )
     parser.add_argument('--tasks', type=int, default=24)
     parser.add_argument('--seed', type=int, default=1)
+    parser.add_argument('--hand', choices=HANDS)
     parser.add_argument('--out', type=Path, default=HERE / 'suite.json')
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    corners = [CORNERS[k % len(CORNERS)] for k in range(options.tasks - len(SHIPPED))]
-    tasks = [*SHIPPED, *(random_task(rng, n, f'{k:02d}-{n}gon') for k, n in enumerate(corners))]
+    first = shipped(HANDS[options.hand]) if options.hand else SHIPPED
+    places = PLACES.get(options.hand, (0.0, 0.03))
+    corners = [CORNERS[k % len(CORNERS)] for k in range(options.tasks - len(first))]
+    drawn = [
+        random_task(rng, n, f'{k:02d}-{n}gon', first[0], places) for k, n in enumerate(corners)
+    ]
+    tasks = [*first, *drawn]
     document = {
         'format': 'wholearm-suite/1',
         'units': {'length': 'm', 'mass': 'kg', 'angle': 'rad unless _deg', 'torque': 'N m'},

@@ -41,7 +41,7 @@ def gap_table(world, q) -> np.ndarray:
     tips = []
     for side in range(2):
         axis, u, w = finger_frame(world, side, q[3 + side])
-        length, half = world.fingers[side, 2:]
+        length, half = world.rectangles[side]
         along, across = (vertices - axis) @ u, (vertices - axis) @ w
         gaps.append(np.max([across - half, along - length, -across - half, -along], axis=0))
         tips += [axis + length * u + half * w, axis + length * u - half * w]
@@ -89,7 +89,7 @@ def _palm_edge(world, k):
 
 def _finger_edge(world, side, feature, theta):
     axis, u, w = finger_frame(world, side, theta)
-    length, half = world.fingers[side, 2:]
+    length, half = world.rectangles[side]
     return [(axis + half * w, w), (axis + length * u, u), (axis - half * w, -w), (axis, -u)][
         feature
     ]
@@ -97,12 +97,12 @@ def _finger_edge(world, side, feature, theta):
 
 def _finger_corner(world, side, feature, theta):
     axis, u, w = finger_frame(world, side, theta)
-    return axis + world.fingers[side, 2] * u + (1 - 2 * feature) * world.fingers[side, 3] * w
+    return axis + world.fingers[side, 2] * u + (1 - 2 * feature) * world.rectangles[side, 1] * w
 
 
 def load_at(world, q) -> np.ndarray:
     """(5,) (−g_O, g_h)."""
-    return np.concatenate([world.load[:3], world.finger_moment * np.cos(q[3:])])
+    return np.concatenate([world.load[:3], world.bearing(q)])
 
 
 def torque_range(rows, load, limits, column) -> tuple:

@@ -69,12 +69,12 @@ def main():
     arrow(
         axes,
         left.axis + side,
-        left.axis + side + left.length * along,
+        left.axis + side + left.shape.length * along,
         'length',
-        left.axis + 1.9 * side + 0.5 * left.length * along,
+        left.axis + 1.9 * side + 0.5 * left.shape.length * along,
         rotation=np.degrees(q[3]),
     )
-    tip, across = left.axis + left.length * along, np.array([-along[1], along[0]])
+    tip, across = left.axis + left.shape.length * along, np.array([-along[1], along[0]])
     axes.text(tip[0], tip[1] + 0.011, '2 half_width', fontsize=8, ha='center')
     arrow(axes, tip + 0.004 * along - 0.006 * across, tip + 0.004 * along + 0.006 * across, '', tip)
     arc(

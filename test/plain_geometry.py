@@ -3,6 +3,7 @@
 import numpy as np
 
 from wholearm_ros.mechanics.contacts import pair_name
+from wholearm_ros.model.finger_shape import Rectangle
 from wholearm_ros.model.hand import SIDES
 from wholearm_ros.model.scenario import Scenario
 
@@ -15,10 +16,19 @@ def object_outline(scenario: Scenario, q: np.ndarray) -> np.ndarray:
     return scenario.object.polygon.vertices_about_centroid @ np.array([[c, s], [-s, c]]) + q[:2]
 
 
-def finger_outline(scenario: Scenario, side: int, angle: float) -> np.ndarray:
-    """(4, 2) corners, counter-clockwise."""
+def finger_parts(scenario: Scenario, side: int, angle: float) -> list[np.ndarray]:
+    """(n, 2) corners of each convex part, counter-clockwise."""
     f = scenario.hand[side]
-    return rectangle(f.axis, angle, f.length, f.half_width)
+    if isinstance(f.shape, Rectangle):
+        return [rectangle(f.axis, angle, f.shape.length, f.shape.half_width)]
+    c, s = np.cos(angle), np.sin(angle)
+    return [f.axis + [[c * x - s * y, s * x + c * y] for x, y in part] for part in f.shape.parts]
+
+
+def finger_outline(scenario: Scenario, side: int, angle: float) -> np.ndarray:
+    """(n, 2) corners of a finger of one part, counter-clockwise."""
+    (outline,) = finger_parts(scenario, side, angle)
+    return outline
 
 
 def rectangle(axis, angle: float, length: float, half_width: float) -> np.ndarray:
@@ -41,7 +51,9 @@ def _apart(a, b) -> float:
 
 
 def finger_features(scenario: Scenario, side: int, angle: float) -> dict:
-    """Edges as (start, end) with the finger on their left, and the two corners at the tip, by name."""
+    """Edges as (start, end) with the finger on their left, and the corners that an edge of the object can touch, by name."""
+    if not isinstance(scenario.hand[side].shape, Rectangle):
+        return _numbered_features(scenario, side, angle)
     base_right, tip_right, tip_left, base_left = finger_outline(scenario, side, angle)
     right, left = (base_right, tip_right), (tip_left, base_left)
     inner, outer = (right, left) if SIDES[side] == 'left' else (left, right)
@@ -56,6 +68,24 @@ def finger_features(scenario: Scenario, side: int, angle: float) -> dict:
         'inner_corner': inner_corner,
         'outer_corner': outer_corner,
     }
+
+
+def _numbered_features(scenario: Scenario, side: int, angle: float) -> dict:
+    """Counted from the inner corner at the base, first towards the tip; corners hidden in another part do not count."""
+    parts, own = finger_parts(scenario, side, angle), scenario.hand[side].shape.parts
+    features, edges, corners = {}, 0, 0
+    for k, (part, at_zero) in enumerate(zip(parts, own)):
+        inner_first = at_zero[:, 1] if SIDES[side] == 'left' else -at_zero[:, 1]
+        first = np.lexsort([inner_first, at_zero[:, 0]])[0]
+        ccw = np.roll(part, -first, axis=0)
+        ring = ccw if SIDES[side] == 'left' else np.roll(ccw[::-1], 1, axis=0)
+        for here, after in zip(ring, np.roll(ring, -1, axis=0)):
+            features[f'e{edges}'] = (here, after) if SIDES[side] == 'left' else (after, here)
+            edges += 1
+            if all(outside(here, other) > 0.0 for j, other in enumerate(parts) if j != k):
+                features[f'c{corners}'] = here
+                corners += 1
+    return features
 
 
 def height(point, start, end) -> float:

@@ -30,6 +30,19 @@ SHIPPED = {'asymmetric': ASYMMETRIC, 'regular': REGULAR}
 HAND, PALM, GRAVITY = ASYMMETRIC.hand, ASYMMETRIC.palm, ASYMMETRIC.gravity
 
 
+OF_SHAPES = {
+    name: load_scenario(CONFIG / f'{name}.yaml')
+    for name in ('tapered_fingers', 'hooked_fingers', 'unequal_fingers', 'v_palm')
+}
+# What the laws of contact are tried on: rectangles, one convex polygon, several parts, and both at once.
+HANDS = {
+    'rectangles': HAND,
+    'tapered': OF_SHAPES['tapered_fingers'].hand,
+    'hooked': OF_SHAPES['hooked_fingers'].hand,
+    'mixed': Hand(OF_SHAPES['hooked_fingers'].hand.left, OF_SHAPES['unequal_fingers'].hand.right),
+}
+
+
 def task(
     vertices,
     start_edge: int,
@@ -178,10 +191,10 @@ def random_configuration(rng: np.random.Generator) -> np.ndarray:
     )
 
 
-def worlds(rng: np.random.Generator, count: int):
+def worlds(rng: np.random.Generator, count: int, hand: Hand = HAND):
     """(scenario, world, configuration), every third on the bent palm."""
     for k in range(count):
-        scenario = random_scenario(rng)
+        scenario = replace(random_scenario(rng), hand=hand)
         if k % 3 == 2:
             scenario = replace(scenario, palm=BENT_PALM)
         yield scenario, build_world(scenario), random_configuration(rng)

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 from wholearm_ros.control.open_loop_torque import torque_effort
 from wholearm_ros.control.pd_velocity import velocity_effort
 from wholearm_ros.control.setpoints import ControlOptions, PdGains, TorqueSetpoint, VelocitySetpoint
+from wholearm_ros.model.finger_shape import Rectangle
 from wholearm_ros.model.hand import LEFT, RIGHT, Finger
 
-FINGER = Finger((0.0, 0.0), 0.15, 0.006, 0.16, 0.005, (0.05, 3.09), 7.0)
+FINGER = Finger((0.0, 0.0), Rectangle(0.15, 0.006), 0.16, 0.005, (0.05, 3.09), 7.0)
 GAINS = PdGains(30.0, 0.85)
 number = st.floats(-100.0, 100.0)
 

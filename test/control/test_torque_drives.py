@@ -12,7 +12,7 @@ MS = 1_000_000  # [ns]
 SCENARIO = load_scenario('asymmetric_hexagon')
 WEIGHTS = np.array(
     [
-        f.mass * SCENARIO.gravity.in_plane * f.length / 2
+        f.mass * SCENARIO.gravity.in_plane * f.shape.length / 2
         for f in (SCENARIO.hand.left, SCENARIO.hand.right)
     ]
 )

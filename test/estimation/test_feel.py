@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from problems import HANDS
 
 from wholearm_ros.estimation.claim import claim
 from wholearm_ros.estimation.feel import Feeler
@@ -46,8 +47,9 @@ def pairs_of(truth, probe, edge):
     return pairs
 
 
-def test_squeezed_object_touches_both_fingers_and_nothing_penetrates(hexagon):
-    model = SqueezeModel(hexagon)
+@pytest.mark.parametrize('hand', HANDS)
+def test_squeezed_object_touches_both_fingers_and_nothing_penetrates(hexagon, hand):
+    model = SqueezeModel(replace(hexagon, hand=HANDS[hand]))
     for edge in (0, 1, 4, 5):
         resting, thetas = model.resting(edge), np.linspace(1.0, 1.5, 4)
         slides, angles = model.squeeze(resting, LEFT, thetas)

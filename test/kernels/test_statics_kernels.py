@@ -44,7 +44,7 @@ def contact_sets(seed: int, count: int):
         ):
             continue
         load = np.empty(5)
-        load_at(world.load, world.finger_moment, q, load)
+        load_at(world.load, world.finger_weights, q, load)
         if made % 2:
             load[:3] = rows[:, :3].T @ rng.uniform(0.0, 10.0, 4)
         yield rows, load, rng.uniform(0.5, 7.0, 2)
@@ -170,11 +170,11 @@ def test_clipping_keeps_where_a_plus_b_tau_is_not_negative(a, b, expected):
 
 def test_the_load_holds_a_level_finger_by_half_its_weight_and_a_standing_one_by_nothing():
     world, out = build_world(ASYMMETRIC), np.empty(5)
-    load_at(world.load, world.finger_moment, np.array([0.0, 0.0, 0.0, 0.0, np.pi / 2]), out)
+    load_at(world.load, world.finger_weights, np.array([0.0, 0.0, 0.0, 0.0, np.pi / 2]), out)
     finger, g = ASYMMETRIC.hand.left, ASYMMETRIC.gravity.in_plane
     np.testing.assert_allclose(
         out,
-        [0.0, ASYMMETRIC.object.mass * g, 0.0, finger.mass * g * finger.length / 2, 0.0],
+        [0.0, ASYMMETRIC.object.mass * g, 0.0, finger.mass * g * finger.shape.length / 2, 0.0],
         atol=1e-15,
     )
 

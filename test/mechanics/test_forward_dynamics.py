@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, HEPTAGON, REGULAR
+from problems import ASYMMETRIC, HEPTAGON, OF_SHAPES, REGULAR
 
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.mechanics.world import build_world
+from wholearm_ros.model.weight import bearing_torques
 from wholearm_ros.simulation.factory import make_hand
 
 pytest.importorskip('pybullet')
@@ -35,7 +36,7 @@ def sweep(scenario, side, speed, torque):
         u = min(t / 0.1, 1.0)
         rate = speed * u * u * (3.0 - 2.0 * u)
         way = speed * (u**3 - 0.5 * u**4) * 0.1 + speed * max(t - 0.1, 0.0)
-        efforts = world.finger_moment * np.cos(angles)
+        efforts = bearing_torques(world.finger_weights, angles)
         efforts[side] += 60.0 * (begin[side] + way - angles[side]) + 1.5 * (rate - velocities[side])
         efforts[1 - side] += torque * min(t / 0.05, 1.0)
         return efforts
@@ -50,8 +51,21 @@ def sweep(scenario, side, speed, torque):
         (ASYMMETRIC, 1, 0.6, -0.15),
         (REGULAR, 0, -0.6, 0.1),
         (HEPTAGON, 0, -0.4, 0.1),
+        (OF_SHAPES['tapered_fingers'], 0, -0.6, 0.15),
+        (OF_SHAPES['hooked_fingers'], 0, -0.6, 0.15),
+        (OF_SHAPES['hooked_fingers'], 1, 0.6, -0.15),
+        (OF_SHAPES['unequal_fingers'], 1, 0.6, -0.15),
     ],
-    ids=['asymmetric_to_the_right', 'asymmetric_to_the_left', 'regular', 'heptagon'],
+    ids=[
+        'asymmetric_to_the_right',
+        'asymmetric_to_the_left',
+        'regular',
+        'heptagon',
+        'tapered',
+        'hooked_to_the_right',
+        'hooked_to_the_left',
+        'unequal',
+    ],
 )
 def test_a_slide_between_the_fingers_is_what_pybullet_makes_of_it(scenario, side, speed, torque):
     """0.4 s, the object moves by more than 1 cm: poses differ by at most 0.1 mm and 1 mrad all the way."""
@@ -68,7 +82,7 @@ def test_an_opened_hand_lets_the_object_stand_in_both():
     world = build_world(ASYMMETRIC)
 
     def open_up(t, angles, velocities):
-        return world.finger_moment * np.cos(angles) + [0.3, -0.3] - 0.1 * velocities
+        return bearing_torques(world.finger_weights, angles) + [0.3, -0.3] - 0.1 * velocities
 
     ours, theirs = (motion(backend, ASYMMETRIC, open_up, 0.3) for backend in ('planar', 'pybullet'))
     np.testing.assert_allclose(

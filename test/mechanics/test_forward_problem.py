@@ -107,7 +107,7 @@ def test_complementarity_and_newton_hold_at_any_torque_and_velocity():
         moving = [0, 1, 2, 3 + finger]
         force = np.append(
             [0.0, -ASYMMETRIC.gravity.in_plane * world.inertias[0], 0.0],
-            torque - world.finger_moment[finger] * np.cos(q[3 + finger]),
+            torque - world.bearing(q)[finger],
         )
         np.testing.assert_allclose(
             world.inertias[moving] * answer.accelerations,

@@ -2,16 +2,15 @@
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, ON_BENT_PALM, REGULAR, random_configuration
+from problems import ASYMMETRIC, OF_SHAPES, ON_BENT_PALM, REGULAR, random_configuration
 
 from wholearm_ros.mechanics.contacts import contact_rows, gap_table, pair_from_name, pair_name
 from wholearm_ros.mechanics.mirror import mirror_configurations, mirror_contacts
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.scenario_file import scenario_to_dict
 
-SCENARIOS = pytest.mark.parametrize(
-    'scenario', [ASYMMETRIC, REGULAR, ON_BENT_PALM], ids=['asymmetric', 'regular', 'bent']
-)
+CASES = {'asymmetric': ASYMMETRIC, 'regular': REGULAR, 'bent': ON_BENT_PALM, **OF_SHAPES}
+SCENARIOS = pytest.mark.parametrize('scenario', CASES.values(), ids=CASES)
 RNG = np.random.default_rng(60)
 
 

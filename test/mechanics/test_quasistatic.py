@@ -132,7 +132,7 @@ def test_everything_twice_as_heavy_needs_twice_the_torque(side):
                 [two.low, two.high], [2.0 * one.low, 2.0 * one.high], atol=1e-8
             )
     np.testing.assert_allclose(heavy.load, 2.0 * build_world(ASYMMETRIC).load)
-    np.testing.assert_allclose(heavy.finger_moment, 2.0 * build_world(ASYMMETRIC).finger_moment)
+    np.testing.assert_allclose(heavy.finger_weights, 2.0 * build_world(ASYMMETRIC).finger_weights)
 
 
 @SIDES

@@ -7,7 +7,7 @@ from problems import worlds
 
 from wholearm_ros.kernels import geometry
 from wholearm_ros.model.frame import frame_at, in_body, in_world, placed, turned
-from wholearm_ros.model.separation import finger_clearance, point_clearance
+from wholearm_ros.model.separation import point_clearance, rectangle_clearance
 
 
 def test_a_point_comes_back_and_a_direction_is_a_difference_of_points():
@@ -28,7 +28,7 @@ def test_placed_vertices_and_separations_are_those_of_the_outlines():
         np.testing.assert_allclose(placed(world.obj[:, :2], q[:3]), outline, atol=1e-15)
         at, f, angles = frame_at(*q[:3]), scenario.hand.left, np.linspace(0.1, 3.0, 9)
         fingers = frame_at(f.axis[0], f.axis[1], angles)
-        found = finger_clearance(world.obj, at, fingers, f.length, f.half_width)
+        found = rectangle_clearance(world.obj, at, fingers, f.shape.length, f.shape.half_width)
         expected = [separation(outline, finger_outline(scenario, 0, angle)) for angle in angles]
         np.testing.assert_allclose(found, expected, atol=1e-14)
         assert point_clearance(world.obj, at, *f.axis)[0] == pytest.approx(
@@ -41,5 +41,5 @@ def test_the_compiled_formulas_give_the_same_bits():
         at = frame_at(*q[:3])
         for side, f in enumerate((scenario.hand.left, scenario.hand.right)):
             finger = frame_at(f.axis[0], f.axis[1], q[3 + side])
-            plain = finger_clearance(world.obj, at, finger, f.length, f.half_width)
+            plain = rectangle_clearance(world.obj, at, finger, f.shape.length, f.shape.half_width)
             assert plain == geometry.finger_clearance(world, side, q[3 + side], at)

@@ -27,6 +27,17 @@ MISSING = object()
 STAR = [[0.05 * np.cos(4 * np.pi * k / 5), 0.05 * np.sin(4 * np.pi * k / 5)] for k in range(5)]
 
 
+def finger(**shape) -> dict:
+    """The left finger of BASE with another shape."""
+    rest = {k: v for k, v in BASE['hand']['left'].items() if k not in ('length', 'half_width')}
+    return {**rest, **shape}
+
+
+TAPER = [[0.0, -0.01], [0.15, -0.004], [0.15, 0.004], [0.0, 0.01]]
+HOOK = [[0.128, -0.003], [0.140, -0.014], [0.149, -0.014], [0.147, -0.003]]
+APART = [[0.16, -0.003], [0.17, -0.003], [0.17, 0.003]]
+
+
 def changed(path: str, value) -> dict:
     """BASE with one key set, or removed."""
     document = copy.deepcopy(BASE)
@@ -132,6 +143,40 @@ BAD = [
     ('goal', {'pose': [0.0, 0.0, 1.0]}, 'goal', 'penetrates the palm'),
     ('goal', {'pose': [0.0, 0.1, 1.0], 'tolerance': [0.01, 0.01]}, 'goal.tolerance', 'at least 3'),
     ('name', 3, 'name', 'text'),
+    ('hand.left', finger(), 'hand.left', 'without a shape; allowed: length and half_width, or'),
+    ('hand.left.length', MISSING, 'hand.left.length', 'missing'),
+    ('hand.left.vertices', TAPER, 'hand.left', 'got length and half_width and vertices; allowed'),
+    ('hand.left', finger(vertices=TAPER, parts=[TAPER]), 'hand.left', 'got vertices and parts'),
+    ('hand.left', finger(vertices=TAPER[::-1]), 'hand.left.vertices', 'clockwise'),
+    ('hand.left', finger(vertices=TAPER[:2]), 'hand.left.vertices', 'at least 3'),
+    (
+        'hand.left',
+        finger(vertices=[TAPER[k] for k in (0, 2, 1, 3)]),
+        'hand.left.vertices',
+        'cross',
+    ),
+    (
+        'hand.left',
+        finger(vertices=[*TAPER[:2], [0.1, 0.0], *TAPER[2:]]),
+        'hand.left.vertices',
+        'not convex (at vertex 2)',
+    ),
+    (
+        'hand.left',
+        finger(vertices=[[x + 0.005, y] for x, y in TAPER]),
+        'hand.left.vertices',
+        '5 mm beside its axis',
+    ),
+    (
+        'hand.left',
+        finger(vertices=[[-x, -y] for x, y in TAPER]),
+        'hand.left.vertices',
+        'x along the finger',
+    ),
+    ('hand.left', finger(parts=[]), 'hand.left.parts', 'at least 1'),
+    ('hand.left', finger(parts=[TAPER, HOOK[::-1]]), 'hand.left.parts[1]', 'clockwise'),
+    ('hand.left', finger(parts=[TAPER, APART]), 'hand.left.parts[1]', 'touches no other'),
+    ('hand.left', finger(parts=[TAPER] * 9), 'hand.left.parts', 'at most 8'),
 ]
 
 
@@ -349,3 +394,13 @@ def test_no_document_breaks_the_reader(value):
 def test_no_text_breaks_the_reader(text):
     with pytest.raises(ScenarioError):
         parse_scenario(parse_mapping(text, 'text'), 'text')
+
+
+@pytest.mark.parametrize(
+    'shape', [{'vertices': TAPER}, {'parts': [TAPER, HOOK]}, {'parts': [TAPER, HOOK, HOOK]}]
+)
+def test_a_finger_s_shape_is_read_as_it_is_written(shape):
+    document = changed('hand.left', finger(**shape))
+    told = scenario_to_dict(parse_scenario(document))
+    assert told['hand'] == document['hand']
+    assert scenario_to_dict(parse_scenario(told)) == told

@@ -27,8 +27,7 @@ def scaled(scenario: Scenario, k: float) -> Scenario:
             replace(
                 f,
                 axis=k * f.axis,
-                length=k * f.length,
-                half_width=k * f.half_width,
+                shape=f.shape.scaled(k),
                 mass=f.mass / k**2,
             )
             for f in (scenario.hand.left, scenario.hand.right)

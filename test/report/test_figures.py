@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
+from problems import OF_SHAPES
 
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.report.figures.figures import write_figures
@@ -91,13 +92,26 @@ def test_outlines_are_rigid(told):
     sides = np.linalg.norm(
         np.diff(finger_outline(finger, 1.1), axis=0, append=finger_outline(finger, 1.1)[:1]), axis=1
     )
-    assert sorted(np.round(sides, 9)) == sorted([2 * finger.half_width] * 2 + [finger.length] * 2)
+    assert sorted(np.round(sides, 9)) == sorted(
+        [2 * finger.shape.half_width] * 2 + [finger.shape.length] * 2
+    )
     moved = object_outline(scenario, np.array([0.1, 0.2, 0.7]))
     assert np.allclose(
         moved.mean(axis=0),
         object_outline(scenario, np.array([0.1, 0.2, -0.7])).mean(axis=0),
         atol=0.02,
     )
+
+
+def test_a_finger_of_several_parts_is_drawn_as_one_outline():
+    finger = OF_SHAPES['hooked_fingers'].hand.left
+    outline = finger_outline(finger, 0.0) - finger.axis
+    np.testing.assert_allclose(finger_outline(finger, 0.5).shape, outline.shape)
+    corners = np.vstack(finger.shape.parts)
+    hidden = [[0.128, -0.003], [0.147, -0.003]]
+    drawn = [any(np.allclose(p, c, atol=1e-7) for p in outline) for c in corners]
+    assert [list(c) for c, seen in zip(corners, drawn) if not seen] == hidden
+    assert len(outline) == 8, 'six corners, and two where the hook enters the shaft'
 
 
 def test_what_touches_at_the_start_are_four_contacts_or_more(told):

@@ -30,7 +30,7 @@ PRIMITIVES = pytest.mark.parametrize(
 def at_start(scenario):
     world = build_world(scenario)
     q = start_configuration(scenario, world)
-    return world, Rest(q, world.finger_moment * np.cos(q[3:]))
+    return world, Rest(q, world.bearing(q))
 
 
 @PRIMITIVES
@@ -42,10 +42,7 @@ def test_a_primitive_ends_at_rest_where_it_should(primitive):
     assert record.at_rest and record.residual <= 1e-9
     assert np.abs(record.velocities[-1] / world.scale).max() < 0.01
     assert end.q[3 + side] == pytest.approx(start.q[3 + side] + primitive.turn, abs=0.01)
-    held = (
-        world.finger_moment[1 - side] * np.cos(start.q[4 - side])
-        + CLOSING[1 - side] * primitive.torque
-    )
+    held = world.bearing(start.q)[1 - side] + CLOSING[1 - side] * primitive.torque
     assert end.efforts[1 - side] == pytest.approx(held, abs=1e-12)
     assert (np.abs(record.efforts) <= world.torque_limits).all()
 

@@ -22,6 +22,7 @@ from wholearm_ros import load_scenario
 from wholearm_ros.control.command_watchdog import BRAKE, DRIVEN, HOLD, STOPPED, ZERO_TORQUE
 from wholearm_ros.launcher.client import GraphError
 from wholearm_ros.model.hand import JOINT_NAMES
+from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.nodes.ros2_control_bridge import DECLARED
 from wholearm_ros.package_share import share_directory, shipped_scenarios
 from wholearm_ros.ros.interface import channels
@@ -244,6 +245,24 @@ def test_drives_that_are_not_there_are_said_to_be(graph):
     graph.wait(lambda: graph.client.latest.told_by, 'diagnostics')
     with pytest.raises(GraphError, match='not active after 2 s: no joint states on /joint_states'):
         graph.client.activate('ros2_control_bridge', 2.0)
+
+
+def test_a_finger_that_is_no_rectangle_is_described_by_boxes_of_its_area_and_centre():
+    scenario = load_scenario('hooked_fingers')
+    robot = ElementTree.fromstring(urdf(scenario))
+    for link, finger in zip(robot.findall('link')[1:], (scenario.hand.left, scenario.hand.right)):
+        boxes = link.findall('collision')
+        places = [list(map(float, b.find('origin').get('xyz').split())) for b in boxes]
+        sizes = [list(map(float, b.find('geometry/box').get('size').split())) for b in boxes]
+        shaft, hook = finger.shape.parts
+        assert len(boxes) == 24, 'twelve a part'
+        for part, its in ((Polygon(shaft), slice(0, 12)), (Polygon(hook), slice(12, 24))):
+            areas = np.array([x * y for x, y, _ in sizes[its]])
+            assert areas.sum() == pytest.approx(part.area, rel=0.02)
+            centre = areas @ np.array(places[its])[:, :2] / areas.sum()
+            np.testing.assert_allclose(centre, part.centroid, atol=2e-4)
+        told = link.find('inertial/origin').get('xyz').split()
+        np.testing.assert_allclose([float(v) for v in told[:2]], finger.shape.centre, atol=1e-6)
 
 
 def test_the_shipped_description_and_controllers_are_those_of_the_code():

@@ -23,7 +23,7 @@ class WrongHand(Node):
         self.wrong, scenario = wrong, wa.load_scenario('asymmetric_hexagon')
         fingers = scenario.hand.left, scenario.hand.right
         self.inertia = np.array([f.inertia for f in fingers])
-        weights = [f.mass * scenario.gravity.in_plane * f.length / 2 for f in fingers]
+        weights = [f.mass * scenario.gravity.in_plane * f.shape.length / 2 for f in fingers]
         self.weights = np.array(weights)
         timeout = 10**15 if wrong == 'watchdog' else 15_000_000
         self.guard = wa.CommandWatchdog([7.0, 7.0], timeout, 500_000_000)

@@ -12,7 +12,7 @@ from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.planning.routes import SearchOptions
-from wholearm_ros.rollout.primitive_rollout import Rest, simulate_primitive
+from wholearm_ros.rollout.primitive_rollout import Rest, released, simulate_primitive
 from wholearm_ros.search.caging_ways import CagingWays
 from wholearm_ros.search.primitive_candidates import flings, flings_beside
 from wholearm_ros.search.primitive_ways import PrimitiveWays
@@ -50,7 +50,7 @@ def test_the_legs_are_primitives_from_rest_to_rest_that_physics_makes(routes):
             continue
         world = build_world(found.scenario)
         q = found.legs[0].configurations[0]
-        rest = Rest(q, world.finger_moment * np.cos(q[3:]))
+        rest = Rest(q, world.bearing(q))
         for leg in found.legs:
             if leg.mode == 'dynamic':
                 record = simulate_primitive(world, rest, MotionPrimitive.from_dict(leg.action))
@@ -91,7 +91,7 @@ def test_of_the_flings_that_get_over_a_sure_one_is_taken():
     k = next(k for k, leg in enumerate(legs) if leg.action.get('speed', 0.0) > 2.0)
     fling, start = MotionPrimitive.from_dict(legs[k].action), legs[k].configurations[0]
     assert fling not in flings(routes.problem, start)
-    rest = Rest(start, world.finger_moment * np.cos(start[3:]))
+    rest = released(world, start)
     landing = legs[k].configurations[-1, 2]
     ends = [
         simulate_primitive(world, rest, beside).configurations[-1, 2]

@@ -21,7 +21,9 @@ CONFIG = Path(__file__).parents[2] / 'config'
 SCENARIO = load_scenario(CONFIG / 'asymmetric_hexagon.yaml')
 Q = start_configuration(SCENARIO)
 G = SCENARIO.gravity.in_plane
-WEIGHTS = np.array([f.mass * G * f.length / 2 for f in (SCENARIO.hand.left, SCENARIO.hand.right)])
+WEIGHTS = np.array(
+    [f.mass * G * f.shape.length / 2 for f in (SCENARIO.hand.left, SCENARIO.hand.right)]
+)
 EACH = pytest.mark.parametrize('backend', BACKENDS)
 WITH_FORCES = pytest.mark.parametrize('backend', ['pybullet', 'mujoco'])  # told by `contacts()`
 FAR = np.array([0.0, 5.0, 0.4, 1.2, 1.9])  # the object out of reach

@@ -74,7 +74,7 @@ def test_contacts_stay_shallow_under_load():
     hand = MuJoCoHand(SCENARIO)
     hand.reset(Q)
     moments = np.array(
-        [f.mass * G * f.length / 2 for f in (SCENARIO.hand.left, SCENARIO.hand.right)]
+        [f.mass * G * f.shape.length / 2 for f in (SCENARIO.hand.left, SCENARIO.hand.right)]
     )
     for k in range(1000):
         hold = 60.0 * (Q[3] - hand.joints()[0][0]) - 1.5 * hand.joints()[1][0]

@@ -35,7 +35,7 @@ BARELY = replace(
 
 def holding(scenario, held=0):
     q = start_configuration(scenario)
-    return hold_trajectory(q[3:], build_world(scenario).finger_moment, q[:3], held)
+    return hold_trajectory(q[3:], build_world(scenario).finger_weights, q[:3], held)
 
 
 def no_plan(scenario):

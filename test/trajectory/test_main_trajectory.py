@@ -16,6 +16,7 @@ from wholearm_ros.model.modes import CAGING, DWELL, DYNAMIC, QUASI_STATIC
 from wholearm_ros.model.orientation import goal_rotation
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.trajectory import ManipulationTrajectory
+from wholearm_ros.model.weight import bearing_torques
 from wholearm_ros.planning.routes import SearchOptions, plan
 from wholearm_ros.trajectory.control_mode import control_mode
 from wholearm_ros.trajectory.execution_options import FRONT, REAR, ExecutionOptions
@@ -165,7 +166,9 @@ def test_caging_presses_with_no_more_than_its_torque(name, how):
             continue
         ids = list(samples_of(t, segment))
         finger = segment.torque_finger
-        extra = t.efforts[ids, finger] - world.finger_moment[finger] * np.cos(t.angles[ids, finger])
+        extra = (
+            t.efforts[ids, finger] - bearing_torques(world.finger_weights, t.angles[ids])[:, finger]
+        )
         np.testing.assert_allclose(CLOSING[finger] * extra, OPTIONS[how].caging_torque, atol=1e-9)
         assert (np.diff(t.poses[ids, 2]) >= -1e-12).all()
 

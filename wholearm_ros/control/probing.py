@@ -15,6 +15,7 @@ from wholearm_ros.control.setpoints import Joints, TorqueSetpoint, VelocitySetpo
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.interpolation import fade, rise
 from wholearm_ros.model.probe import Probe
+from wholearm_ros.model.weight import bearing_torques
 
 # Greatest acceleration of a fifth-order move from rest to rest, over its way and time.
 PEAK = 5.7735
@@ -147,7 +148,7 @@ class Probing:
         phase = phases[state.phase]
         start = phases[state.phase - 1].angle if state.phase else float(state.first_angles[held])
         share, rate = rise(now - state.phase_began, phase.duration)
-        weight = float(self.probe.weights[held] * np.cos(joints.angles[held]))
+        weight = float(bearing_torques(self.probe.weights, joints.angles)[held])
         kept = fade(now - state.began, RELEASE)[0]
         effort = weight + kept * (float(state.first_efforts[held]) - weight)
         turn = phase.angle - start
@@ -163,7 +164,7 @@ class Probing:
         if not closes:
             target = float(state.first_angles[side]) - CLOSING[side] * float(probe.opened[side])
         pull = min(max(STIFFNESS * (target - angle), -bound), bound)
-        weight = float(probe.weights[side]) * np.cos(angle)
+        weight = float(bearing_torques(probe.weights, joints.angles)[side])
         effort = weight + pull - bound / CLOSING_SPEED * speed
         kept = fade(now - state.began, RELEASE)[0]
         return TorqueSetpoint(

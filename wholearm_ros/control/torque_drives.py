@@ -6,6 +6,7 @@ from wholearm_ros.control.command_watchdog import CommandWatchdog
 from wholearm_ros.control.setpoints import Joints, PdGains
 from wholearm_ros.kernels.control_law import holding_effort
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.weight import bearing_torques
 
 
 class TorqueDrives:
@@ -19,7 +20,7 @@ class TorqueDrives:
         fingers = (scenario.hand.left, scenario.hand.right)
         self.gains, self.guard = gains, guard
         self._limits = np.array([f.torque_limit for f in fingers])
-        self._weights = np.array(scenario.finger_moments)  # [N m] at θ = 0
+        self._weights = scenario.finger_weights
         self.release()
 
     def release(self) -> None:
@@ -37,8 +38,7 @@ class TorqueDrives:
             return asked
         if self._held is None:
             self._held = joints.angles.copy()
-        holding = holding_effort(
-            self.gains, self._weights, self._held, joints.angles, joints.velocities
-        )
+        weight = bearing_torques(self._weights, joints.angles)
+        holding = holding_effort(self.gains, weight, self._held, joints.angles, joints.velocities)
         torques: np.ndarray = np.clip(holding, -self._limits, self._limits)
         return torques

@@ -10,6 +10,7 @@ from wholearm_ros.estimation.probe_plan import probe_after, probe_of_the_unknown
 from wholearm_ros.model.hand import LEFT
 from wholearm_ros.model.modes import DYNAMIC
 from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
+from wholearm_ros.model.weight import bearing_torques
 
 DURATION, PERIOD = 0.1, 0.01  # [s]
 
@@ -17,9 +18,9 @@ DURATION, PERIOD = 0.1, 0.01  # [s]
 def hold_trajectory(
     angles: np.ndarray, weights: np.ndarray, pose: np.ndarray, held: int
 ) -> ManipulationTrajectory:
-    """Both fingers at `angles` (2,) [rad], bearing their own weight; weights: (2,) [N m] of level
-    fingers; pose: (3,) of the object, a guess; held: LEFT or RIGHT, the finger that a probe holds
-    afterwards.
+    """Both fingers at `angles` (2,) [rad], bearing their own weight; weights: (2, 2)
+    [N m], see `bearing_torques`; pose: (3,) of the object, a guess; held: LEFT or RIGHT, the finger
+    that a probe holds afterwards.
     """
     rows = int(round(DURATION / PERIOD)) + 1
     angles = np.asarray(angles, float)
@@ -29,7 +30,7 @@ def hold_trajectory(
         period=PERIOD,
         angles=np.tile(angles, (rows, 1)),
         velocities=np.zeros((rows, 2)),
-        efforts=np.tile(weights * np.cos(angles), (rows, 1)),
+        efforts=np.tile(bearing_torques(weights, angles), (rows, 1)),
         torque_ranges=np.full((rows, 2), np.nan),
         poses=np.tile(pose, (rows, 1)),
         segments=(Segment(0.0, PERIOD * (rows - 1), DYNAMIC, held),),
@@ -43,7 +44,7 @@ def hold_to_feel(
     other side than after `before`, whose probe has left it open, or without one of whatever it may
     be.
     """
-    weights = feeler.model.world.finger_moment
+    weights = feeler.model.world.finger_weights
     if before is None:
         hold = hold_trajectory(angles, weights, feeler.hypotheses[0].pose, LEFT)
         return replace(hold, probe=probe_of_the_unknown(feeler, LEFT, angles))

@@ -98,7 +98,7 @@ def plan_probe(
                 break
     opened = OPENED if row is not None and row.opens else 0.0
     side = held if row is None else row.held
-    weights = world.finger_moment
+    weights = world.finger_weights
     return Probe(
         side, best.places, np.full(2, opened), best.torque, weights, stops, gentle.acceleration
     )

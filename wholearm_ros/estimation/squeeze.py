@@ -106,7 +106,8 @@ class SqueezeModel:
         """
         hand = self.scenario.hand
         left, right = (
-            replace(finger, length=finger.length - TIP_MARGIN) for finger in (hand.left, hand.right)
+            replace(finger, shape=finger.shape.shortened(TIP_MARGIN))
+            for finger in (hand.left, hand.right)
         )
         return SqueezeModel(replace(self.scenario, hand=replace(hand, left=left, right=right)))
 

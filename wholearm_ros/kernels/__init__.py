@@ -19,6 +19,7 @@ SOURCES = (
     'model/hand.py',
     'model/interpolation.py',
     'model/separation.py',
+    'model/weight.py',
 )  # compiled, or read by what is
 
 
@@ -46,7 +47,7 @@ def inlined(function, **scalar):
     function of arrays, by name; `min` takes two thirds of the time of `np.minimum`.
     """
     plain = scalar | {
-        name: inlined(called)
+        name: inlined(called, **scalar)
         for name in function.__code__.co_names
         if isinstance(called := function.__globals__.get(name), FunctionType)
     }

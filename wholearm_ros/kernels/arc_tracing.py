@@ -9,12 +9,8 @@ import numpy as np
 from wholearm_ros.kernels import allocating, inlined, kernel
 from wholearm_ros.kernels.geometry import (
     EDGE_CORNER,
-    INNER,
-    INNER_CORNER,
-    OUTER,
-    OUTER_CORNER,
+    LEFT_FINGER,
     PALM,
-    TIP,
     VERTEX_EDGE,
     contact_at,
     entry_of,
@@ -299,7 +295,7 @@ def statics_at(world, on, here, friction, out):
     at here.q.
     """
     limits = world.torque_limits
-    load_at(world.load, world.finger_moment, here.q, on.load)
+    load_at(world.load, world.finger_weights, here.q, on.load)
     tangent_rows(world, on.codes, here.q, on.slides)
     tilt_rows(on.rows, on.slides, here.t, friction, on.tilted)
     for side in range(2):
@@ -478,7 +474,7 @@ def _meeting(world, code, contact, frames):
     at_end = contact.along > 0.5 * contact.length
     if pair_kind(code) == VERTEX_EDGE:
         edge = hand_edge(world, body, hand, frames)
-        vertex, corner, outwards = mine, _hand_corner_at(body, hand, at_end), at_end
+        vertex, corner, outwards = mine, _hand_corner_at(world, body, hand, at_end), at_end
     else:
         edge = object_edge(world, mine, frames.object)
         vertex = (mine + 1) % world.obj.shape[0] if at_end else mine
@@ -487,15 +483,12 @@ def _meeting(world, code, contact, frames):
 
 
 @kernel
-def _hand_corner_at(body, edge, at_end):
+def _hand_corner_at(world, body, edge, at_end):
     """The corner at that end of a hand edge, or −1."""
     if body == PALM:
         return edge + 1 if at_end else edge
-    if edge == INNER:
-        return INNER_CORNER if at_end else -1
-    if edge == TIP:
-        return INNER_CORNER if at_end else OUTER_CORNER
-    return OUTER_CORNER if at_end else -1
+    row = world.features.edge_rows[body - LEFT_FINGER] + edge
+    return world.features.edge_ends[row, 1 if at_end else 0]
 
 
 @inlined
@@ -504,9 +497,8 @@ def _hand_edge_at(world, body, corner, k):
     if body == PALM:
         edge = corner - 1 + k
         return edge if 0 <= edge < world.palm.shape[0] - 1 else -1
-    if k == 1:
-        return TIP
-    return INNER if corner == INNER_CORNER else OUTER
+    row = world.features.corner_rows[body - LEFT_FINGER] + corner
+    return world.features.edges_at[row, k]
 
 
 class FollowedCourse(NamedTuple):

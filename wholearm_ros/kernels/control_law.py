@@ -7,8 +7,6 @@ compiles them. What is verified is what is run.
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 
 class PdGains(NamedTuple):
     """kp [N m/rad], kd [N m s/rad]."""
@@ -77,7 +75,7 @@ def slewed_effort(limit, step, wanted, previous):
 
 
 def holding_effort(gains, weight, held, angle, velocity):
-    """What the drives do without a command [N m]: hold the joint at `held` [rad], its weight m g L
-    / 2 [N m] compensated.
+    """What the drives do without a command [N m]: hold the joint at `held` [rad], its weight
+    compensated: the torque [N m] that bears it at `angle`.
     """
-    return weight * np.cos(angle) + gains.kp * (held - angle) - gains.kd * velocity
+    return weight + gains.kp * (held - angle) - gains.kd * velocity

@@ -18,8 +18,9 @@ from wholearm_ros.model.hand import LEFT, RIGHT
 
 VERTEX_EDGE, EDGE_CORNER = 0, 1  # object vertex on hand edge; object edge on hand corner
 PALM, LEFT_FINGER, RIGHT_FINGER = 0, 1, 2
-INNER, TIP, OUTER, BASE = 0, 1, 2, 3  # edges of a finger
-INNER_CORNER, OUTER_CORNER = 0, 1  # its two corners at the tip
+# How many features a rectangular finger has: its inner, tip, outer and base edge, and the two
+# corners at its tip, the inner one first. Those of any other shape have the numbers after these.
+RECTANGLE_EDGES, RECTANGLE_CORNERS = 4, 2
 SWEEP, HALVINGS = 90, 50  # steps of a closing finger's sweep, and of the bisection of the last one
 
 frame_at = inlined(frame.frame_at)
@@ -27,7 +28,8 @@ in_world = inlined(frame.in_world)
 in_body = inlined(frame.in_body)
 turned = inlined(frame.turned)
 point_clearance = inlined(separation.point_clearance)
-_clearance = inlined(separation.finger_clearance, minimum=min, maximum=max)
+_rectangle_clearance = inlined(separation.rectangle_clearance, minimum=min, maximum=max)
+part_clearance = inlined(separation.part_clearance, minimum=min, maximum=max)
 
 
 class Frames(NamedTuple):
@@ -125,33 +127,21 @@ def frame_of_finger(frames, side):
 
 
 @inlined
-def _inward(side):
-    """Sign of the coordinate across a finger on its inner side, which faces the other one."""
-    return -1.0 if side == LEFT else 1.0
-
-
-@inlined
 def finger_edge(world, side, feature, at):
     """The `Edge` of a finger whose frame is `at`."""
-    inward, length, half = _inward(side), world.fingers[side, 2], world.fingers[side, 3]
-    wx, wy = -inward * at.sin, inward * at.cos
-    if feature == INNER:
-        x, y = in_world(at, 0.0, inward * half)
-        return Edge(x, y, at.cos, at.sin, wx, wy, length)
-    if feature == TIP:
-        x, y = in_world(at, length, -inward * half)
-        return Edge(x, y, wx, wy, at.cos, at.sin, 2.0 * half)
-    x, y = in_world(at, 0.0, -inward * half)
-    if feature == OUTER:
-        return Edge(x, y, at.cos, at.sin, -wx, -wy, length)
-    return Edge(x, y, wx, wy, -at.cos, -at.sin, 2.0 * half)
+    row = world.features.edge_rows[side] + feature
+    edges = world.features.edges
+    x, y = in_world(at, edges[row, 5], edges[row, 6])
+    dx, dy = turned(at, edges[row, 7], edges[row, 8])
+    nx, ny = turned(at, edges[row, 2], edges[row, 3])
+    return Edge(x, y, dx, dy, nx, ny, edges[row, 4])
 
 
 @inlined
 def finger_corner(world, side, feature, at):
-    """(x, y) [m] of a corner at the tip of a finger whose frame is `at`."""
-    half = world.fingers[side, 3] if feature == INNER_CORNER else -world.fingers[side, 3]
-    return in_world(at, world.fingers[side, 2], _inward(side) * half)
+    """(x, y) [m] of a corner of a finger whose frame is `at`."""
+    row = world.features.corner_rows[side] + feature
+    return in_world(at, world.features.corners[row, 0], world.features.corners[row, 1])
 
 
 @inlined
@@ -265,18 +255,18 @@ def tangent_rows(world, codes, q, rows):
 
 @inlined
 def table_size(world):
-    """Entries of the gap table: each object vertex with each palm edge and finger, each hand
-    corner with the object.
+    """Entries of the gap table: each object vertex with each palm edge and each part of a finger,
+    each hand corner with the object.
     """
-    return _first_corner(world) + 4 + world.corners.shape[0]
+    return _first_corner(world) + world.features.corners.shape[0] + world.corners.shape[0]
 
 
 @inlined
 def _first_corner(world):
-    """The table's first entry of a hand corner: after every vertex with every palm edge and both
-    fingers.
+    """The table's first entry of a hand corner: after every vertex with every palm edge and all
+    parts of both fingers.
     """
-    return world.obj.shape[0] * (world.palm.shape[0] + 1)
+    return world.obj.shape[0] * (world.palm.shape[0] - 1 + world.features.parts.shape[0])
 
 
 @kernel
@@ -284,15 +274,26 @@ def entry_of(world, code):
     """Index of the table's entry that a pair belongs to."""
     n, body, feature = world.obj.shape[0], pair_body(code), pair_hand_feature(code)
     if pair_kind(code) == VERTEX_EDGE:
-        column = feature if body == PALM else world.palm.shape[0] - 1 + body - LEFT_FINGER
+        column = feature
+        if body != PALM:
+            column = world.palm.shape[0] - 1 + _part_of_edge(world, body - LEFT_FINGER, feature)
         return column * n + pair_object_feature(code)
     base = _first_corner(world)
     if body != PALM:
-        return base + 2 * (body - LEFT_FINGER) + feature
+        return base + world.features.corner_rows[body - LEFT_FINGER] + feature
     for i in range(world.corners.shape[0]):
         if world.corners[i] == feature:
-            return base + 4 + i
+            return base + world.features.corners.shape[0] + i
     return -1
+
+
+@inlined
+def _part_of_edge(world, side, feature):
+    """The part of both fingers' parts that has an edge."""
+    parts, row, part = world.features.parts, world.features.edge_rows[side] + feature, 0
+    while row >= parts[part, 2]:
+        part += 1
+    return part
 
 
 @inlined
@@ -306,23 +307,29 @@ def _vertex_on_palm(world, k, i, x, y):
 
 
 @inlined
-def _vertex_on_finger(world, side, i, x, y, at):
+def _vertex_on_finger(world, part, i, x, y, at):
+    """`at`: the frame of the finger that has the part."""
+    edges, parts = world.features.edges, world.features.parts
     along, across = in_body(at, x, y)
-    inner, length, half = _inward(side) * across, world.fingers[side, 2], world.fingers[side, 3]
-    best, feature = inner - half, INNER
-    if along - length > best:
-        best, feature = along - length, TIP
-    if -inner - half > best:
-        best, feature = -inner - half, OUTER
-    if -along > best:
-        best, feature = -along, BASE
+    best, nearest, side = -np.inf, 0, parts[part, 0]
+    for row in range(parts[part, 1], parts[part, 2]):
+        gap = edges[row, 2] * along + edges[row, 3] * across - edges[row, 9]
+        if gap > best:
+            best, nearest = gap, row
+    feature = nearest - world.features.edge_rows[side]
     return best, pair_code(VERTEX_EDGE, LEFT_FINGER + side, feature, i)
 
 
 @inlined
 def _object_on_corner(world, k, frames):
-    """Both corners of the left finger, of the right one, then those of the palm."""
-    body, feature = (LEFT_FINGER + k // 2, k % 2) if k < 4 else (PALM, world.corners[k - 4])
+    """The corners of the left finger, of the right one, then those of the palm."""
+    features = world.features
+    count = features.corners.shape[0]
+    if k < count:
+        side = features.corner_sides[k]
+        body, feature = LEFT_FINGER + side, k - features.corner_rows[side]
+    else:
+        body, feature = PALM, world.corners[k - count]
     x, y = hand_corner(world, body, feature, frames)
     gap, edge = point_clearance(world.obj, frames.object, x, y)
     return gap, pair_code(EDGE_CORNER, body, feature, edge)
@@ -340,7 +347,8 @@ def table_entry(world, e, frames):
     x, y = object_vertex(world, i, frames.object)
     if column < p:
         return _vertex_on_palm(world, column, i, x, y)
-    return _vertex_on_finger(world, column - p, i, x, y, frame_of_finger(frames, column - p))
+    at = frame_of_finger(frames, world.features.parts[column - p, 0])
+    return _vertex_on_finger(world, column - p, i, x, y, at)
 
 
 @kernel
@@ -351,10 +359,10 @@ def gap_table(world, q, gaps, codes):
         x, y = object_vertex(world, i, frames.object)
         for k in range(p):
             gaps[k * n + i], codes[k * n + i] = _vertex_on_palm(world, k, i, x, y)
-        for side in range(2):
-            e, at = (p + side) * n + i, frame_of_finger(frames, side)
-            gaps[e], codes[e] = _vertex_on_finger(world, side, i, x, y, at)
-    for k in range(4 + world.corners.shape[0]):
+        for part in range(world.features.parts.shape[0]):
+            e, at = (p + part) * n + i, frame_of_finger(frames, world.features.parts[part, 0])
+            gaps[e], codes[e] = _vertex_on_finger(world, part, i, x, y, at)
+    for k in range(world.features.corners.shape[0] + world.corners.shape[0]):
         e = _first_corner(world) + k
         gaps[e], codes[e] = _object_on_corner(world, k, frames)
 
@@ -367,8 +375,21 @@ def finger_clearance(world, side, theta, at):
     Unlike the gap table, which knows vertices only, it sees a finger that runs right through the
     object.
     """
-    length, half = world.fingers[side, 2], world.fingers[side, 3]
-    return _clearance(world.obj, at, finger_frame(world, side, theta), length, half)
+    finger, length = finger_frame(world, side, theta), world.rectangles[side, 0]
+    if length > 0.0:
+        half = world.rectangles[side, 1]
+        return _rectangle_clearance(world.obj, at, finger, length, half)
+    least = np.inf
+    for part in range(world.features.parts.shape[0]):
+        if world.features.parts[part, 0] == side:
+            least = min(least, _part_clearance(world, part, at, finger))
+    return least
+
+
+@inlined
+def _part_clearance(world, part, at, finger):
+    first, last = world.features.parts[part, 1], world.features.parts[part, 2]
+    return part_clearance(world.obj, at, world.features.edges[first:last], finger)
 
 
 @inlined

@@ -13,6 +13,7 @@ from wholearm_ros.kernels import allocating, control_law, inlined, switch_law
 from wholearm_ros.kernels.control_law import HOLD_GAINS, PdGains, VelocitySetpoint
 from wholearm_ros.kernels.geometry import left_the_hand
 from wholearm_ros.kernels.interpolation import quintic
+from wholearm_ros.kernels.statics import weight_at
 from wholearm_ros.kernels.time_stepping import new_workspace, step
 from wholearm_ros.kernels.world import joint
 
@@ -176,9 +177,8 @@ def _drive(world, plant, start, n, state, motors):
             acting = start.efforts[side]
             if start.at_rest:
                 j = joint(side)
-                acting = holding_effort(
-                    HOLD_GAINS, world.finger_moment[side], start.q[j], state.q[j], state.v[j]
-                )
+                weight = weight_at(world.finger_weights, side, state.q[j])
+                acting = holding_effort(HOLD_GAINS, weight, start.q[j], state.q[j], state.v[j])
         limit = world.torque_limits[side]
         motors.applied[side] = min(max(acting, -limit), limit) * plant.torque_factors[side]
 

@@ -4,10 +4,13 @@ interval that keeps them compressive.
 
 import numpy as np
 
-from wholearm_ros.kernels import allocating, kernel
+from wholearm_ros.kernels import allocating, inlined, kernel
 from wholearm_ros.kernels.linear import solve_in_place
 from wholearm_ros.kernels.world import joint
+from wholearm_ros.model import weight
 from wholearm_ros.model.configuration import ROTATION, SIZE, X, Y
+
+bearing = inlined(weight.bearing)
 
 
 @allocating
@@ -57,14 +60,20 @@ def torque_interval(rows, load, limits, torque_finger, forces):
     return low, high, ratio
 
 
+@inlined
+def weight_at(weights, side, angle):
+    """The torque [N m] that holds a finger at an angle [rad] against gravity."""
+    return bearing(weights[side, 0], weights[side, 1], np.cos(angle), np.sin(angle))
+
+
 @kernel
-def load_at(load, finger_moment, q, out):
+def load_at(load, weights, q, out):
     """Fill out (5,) = (−g_O, g_h): the fingers' entries are the torques that hold them against
-    gravity, m g L/2 cos θ.
+    gravity, m g L/2 cos θ for rectangles. weights: (2, 2), see `World`.
     """
     out[X], out[Y], out[ROTATION] = load[X], load[Y], load[ROTATION]
     for side in range(2):
-        out[joint(side)] = finger_moment[side] * np.cos(q[joint(side)])
+        out[joint(side)] = weight_at(weights, side, q[joint(side)])
 
 
 @kernel

@@ -32,6 +32,7 @@ from wholearm_ros.kernels.geometry import (
     table_size,
 )
 from wholearm_ros.kernels.lcp import Lcp, new_lcp, solve_lcp
+from wholearm_ros.kernels.statics import bearing
 from wholearm_ros.kernels.world import joint
 from wholearm_ros.model.configuration import ROTATION, SIZE, X, Y
 
@@ -118,7 +119,10 @@ def _free_velocity(world, work, efforts, v, frames, free):
     for side in range(2):
         j = joint(side)
         frame = frame_of_finger(frames, side)
-        held = world.finger_moment[side] * (frame.cos + world.leaning * frame.sin)
+        # Of a finger in the frame in which gravity pulls along -y, but for the cosine of its turn.
+        cos = frame.cos + world.leaning * frame.sin
+        sin = frame.sin - world.leaning * frame.cos
+        held = bearing(world.finger_weights[side, 0], world.finger_weights[side, 1], cos, sin)
         free[j] = v[j] + h * (efforts[side] - held) / inertias[j]
         if world.joint_friction[side] > 0.0:
             # What would bring the joint to rest, had it the contact forces of the step before.
@@ -255,7 +259,7 @@ def _reach(world, q):
     reach = size
     for side in range(2):
         away = np.hypot(q[X] - fingers[side, 0], q[Y] - fingers[side, 1])
-        reach = max(reach, away + max(size, fingers[side, 2] + fingers[side, 3]))
+        reach = max(reach, away + max(size, fingers[side, 3]))
     for k in range(palm.shape[0]):
         reach = max(reach, np.hypot(q[X] - palm[k, 0], q[Y] - palm[k, 1]))
     return reach

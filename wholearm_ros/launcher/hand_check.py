@@ -21,6 +21,7 @@ from wholearm_ros.control.hand_checks import (
 from wholearm_ros.launcher.client import Client, GraphError
 from wholearm_ros.model.hand import CLOSING, JOINT_NAMES, LEFT, RIGHT, Finger
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.weight import bearing_torques
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.joint_state_serialization import (
     JointReading,
@@ -248,8 +249,7 @@ class _Examiner:
 
     def _weights(self, angles: np.ndarray) -> np.ndarray:
         """(2,) [N m] that bear the fingers at `angles`."""
-        weights: np.ndarray = np.array(self.scenario.finger_moments) * np.cos(angles)
-        return weights
+        return bearing_torques(self.scenario.finger_weights, angles)
 
     def _hold(self, angles: np.ndarray, velocities: np.ndarray) -> np.ndarray:
         """(2,) [N m]: weight, and a soft spring to where the phase began, cut to the step."""

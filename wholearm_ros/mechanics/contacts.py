@@ -24,14 +24,17 @@ FINGER_CORNERS = ('inner_corner', 'outer_corner')
 
 
 def pair_name(code: int) -> str:
-    """A contact pair in words: `v0:palm.e0`, `v5:left.inner`, `e3:right.inner_corner`."""
+    """A contact pair in words: `v0:palm.e0`, `v5:left.inner`, `e3:right.inner_corner`; of a finger
+    that is no rectangle `v5:left.e0`, `e3:right.c1`, see `finger_features`.
+    """
     kind, body = geometry.pair_kind(code), geometry.pair_body(code)
     hand, obj = int(geometry.pair_hand_feature(code)), int(geometry.pair_object_feature(code))
     if body == geometry.PALM:
         feature = f'palm.{"e" if kind == geometry.VERTEX_EDGE else "v"}{hand}'
     else:
-        features = FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS
-        feature = f'{SIDES[body - 1]}.{features[hand]}'
+        features, letter = _finger_features(kind)
+        named = features[hand] if hand < len(features) else f'{letter}{hand - len(features)}'
+        feature = f'{SIDES[body - 1]}.{named}'
     return f'{"v" if kind == geometry.VERTEX_EDGE else "e"}{obj}:{feature}'
 
 
@@ -42,27 +45,54 @@ def pair_from_name(name: str) -> int:
     kind = {'v': geometry.VERTEX_EDGE, 'e': geometry.EDGE_CORNER}[obj[0]]
     if body == 'palm':
         return int(geometry.pair_code(kind, geometry.PALM, _index(feature[1:]), _index(obj[1:])))
-    features = FINGER_EDGES if kind == geometry.VERTEX_EDGE else FINGER_CORNERS
-    return int(
-        geometry.pair_code(kind, 1 + SIDES.index(body), features.index(feature), _index(obj[1:]))
-    )
+    features, letter = _finger_features(kind)
+    if feature in features:
+        number = features.index(feature)
+    elif feature[0] == letter:
+        number = _index(feature[1:], len(features))
+    else:
+        raise ValueError(f'contact pair {name}: got {feature}; allowed: {letter}0, {letter}1, …')
+    return int(geometry.pair_code(kind, 1 + SIDES.index(body), number, _index(obj[1:])))
 
 
-def _index(text: str) -> int:
-    """A feature's number, of which a pair code has room for one byte."""
-    if not 0 <= int(text) < 256:
-        raise ValueError(f'contact pair: feature number {text}; allowed: 0 to 255')
-    return int(text)
+def _finger_features(kind: int) -> tuple[tuple[str, ...], str]:
+    """Names of a rectangle's features of that kind, and what those of other shapes begin with."""
+    return (FINGER_EDGES, 'e') if kind == geometry.VERTEX_EDGE else (FINGER_CORNERS, 'c')
 
 
-def pair_exists(code: int, vertices: int, palm_vertices: int) -> bool:
-    """Whether an object and a palm of so many vertices have that pair; kernels do not look before
-    they read.
-    """
-    kind, hand = geometry.pair_kind(code), int(geometry.pair_hand_feature(code))
-    on_palm = geometry.pair_body(code) == geometry.PALM
-    features = palm_vertices - (kind == geometry.VERTEX_EDGE) if on_palm else hand + 1
-    return bool(geometry.pair_object_feature(code) < vertices and hand < features)
+def _index(text: str, after: int = 0) -> int:
+    """A feature's number, counted after so many, of which a pair code has room for one byte."""
+    if not 0 <= int(text) < 256 - after:
+        raise ValueError(f'contact pair: feature number {text}; allowed: 0 to {255 - after}')
+    return after + int(text)
+
+
+def pair_exists(world: World, code: int) -> bool:
+    """Whether a world has that pair; kernels do not look before they read."""
+    hand, mine = int(geometry.pair_hand_feature(code)), int(geometry.pair_object_feature(code))
+    return mine < len(world.obj) and hand in _hand_features(world, code)
+
+
+def _hand_features(world: World, code: int) -> range:
+    """Numbers of the features that the pair's body has of the pair's kind."""
+    on_edge = geometry.pair_kind(code) == geometry.VERTEX_EDGE
+    body, features = int(geometry.pair_body(code)), world.features
+    if body == geometry.PALM:
+        return range(len(world.palm) - on_edge)
+    side = body - geometry.LEFT_FINGER
+    if side not in (LEFT, RIGHT):
+        return range(0)
+    rows, sides = features.corner_rows, features.corner_sides
+    if on_edge:
+        rows, sides = features.edge_rows, _edge_sides(world)
+    own = np.flatnonzero(sides == side)
+    return range(int(own[0] - rows[side]), int(own[-1] + 1 - rows[side]))
+
+
+def _edge_sides(world: World) -> np.ndarray:
+    """(e,) whose each of the fingers' edges is."""
+    parts = world.features.parts
+    return np.repeat(parts[:, 0], parts[:, 2] - parts[:, 1])
 
 
 def gap_table(world: World, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -82,22 +112,19 @@ def closed_pairs(world: World, q: np.ndarray, tolerance: float = CLOSED_GAP) -> 
 
 
 def contact_state_matrix(world: World, pairs: Sequence[int]) -> np.ndarray:
-    """C (2n, h), bool: rows are the object's vertices then edges, columns the hand's features
-    (palm, left, right).
+    """C (2n, h), bool: rows are the object's vertices then edges, columns the hand's features:
+    edges then corners of the palm, of the left and of the right finger.
     """
-    n, p = len(world.obj), len(world.palm)
-    palm_columns = (p - 1) + p
-    c = np.zeros((2 * n, palm_columns + 12), dtype=bool)
+    n, columns = len(world.obj), []
+    for body in (geometry.PALM, geometry.LEFT_FINGER, geometry.RIGHT_FINGER):
+        for kind in (geometry.VERTEX_EDGE, geometry.EDGE_CORNER):
+            any_pair = int(geometry.pair_code(kind, body, 0, 0))
+            columns += [(kind, body, hand) for hand in _hand_features(world, any_pair)]
+    c = np.zeros((2 * n, len(columns)), dtype=bool)
     for code in pairs:
-        kind, body = geometry.pair_kind(code), geometry.pair_body(code)
-        hand = geometry.pair_hand_feature(code)
+        kind, body = int(geometry.pair_kind(code)), int(geometry.pair_body(code))
         row = geometry.pair_object_feature(code) + (n if kind else 0)
-        column = (
-            hand + (p - 1 if kind else 0)
-            if body == 0
-            else palm_columns + 6 * (body - 1) + hand + (4 if kind else 0)
-        )
-        c[row, column] = True
+        c[row, columns.index((kind, body, int(geometry.pair_hand_feature(code))))] = True
     return c
 
 
@@ -151,10 +178,14 @@ def close_finger(world: World, pose: np.ndarray, side: int) -> float:
     return angle
 
 
-def start_configuration(scenario: Scenario, world: World | None = None) -> np.ndarray:
+def start_configuration(
+    scenario: Scenario, world: World | None = None, lifted: bool = False
+) -> np.ndarray:
     """q (5,) at the start: the object at rest on the palm, the fingers closed on it.
 
-    Of a start at a pose, what nearly touches touches: poses are written with few digits.
+    Of a start at a pose, what nearly touches touches: poses are written with few digits. lifted:
+    whether an object on an edge that would penetrate another segment of the palm is set down above
+    it.
 
     Raises ScenarioError when a finger cannot touch the object, or the start penetrates the hand.
     """
@@ -166,6 +197,8 @@ def start_configuration(scenario: Scenario, world: World | None = None) -> np.nd
         pose = pose_on_palm(
             world, start.x, start_rotation(scenario), palm_segment_under(scenario.palm, start.x)
         )
+        if lifted:
+            pose[1] += _height_missing(world, pose)
         q = np.concatenate(
             [pose, [close_finger(world, pose, LEFT), close_finger(world, pose, RIGHT)]]
         )
@@ -176,6 +209,20 @@ def start_configuration(scenario: Scenario, world: World | None = None) -> np.nd
             f'allowed: at most {1000 * DEEPEST_START:.2f} mm'
         )
     return q
+
+
+def _height_missing(world: World, pose: np.ndarray) -> float:
+    """By how much [m] an object at `pose` (3,) has to rise so as not to be too deep in the palm."""
+    height = 0.0
+    for _ in range(len(world.palm)):
+        q = np.array([pose[0], pose[1] + height, pose[2], *world.limits.mean(axis=1)])
+        found = zip(*gap_table(world, q))
+        deep = [(gap, code) for gap, code in found if geometry.pair_body(code) == geometry.PALM]
+        gap, code = min(deep)
+        if gap >= -DEEPEST_START:
+            break
+        height -= gap / geometry.contact(world, code, q).ny
+    return height
 
 
 def _in_contact(world: World, scenario: Scenario, told: np.ndarray) -> np.ndarray:

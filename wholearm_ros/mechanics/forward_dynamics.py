@@ -89,7 +89,7 @@ def build_forward_dynamics(
     driven = joint_index(1 - inputs.torque_finger)
     moving = np.array([X, Y, ROTATION, turned])
     load = np.empty(SIZE)
-    statics.load_at(world.load, world.finger_moment, q, load)
+    statics.load_at(world.load, world.finger_weights, q, load)
     force = -load
     force[turned] += inputs.torque
     free = (force / world.inertias)[moving]

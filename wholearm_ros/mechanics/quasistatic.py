@@ -78,6 +78,6 @@ def build_quasistatics(world: World, pairs: Sequence[int], q: np.ndarray) -> Qua
     """The model for closed pairs at q (5,)."""
     rows, _ = contact_rows(world, pairs, q)
     load = np.empty(SIZE)
-    statics.load_at(world.load, world.finger_moment, q, load)
+    statics.load_at(world.load, world.finger_weights, q, load)
     G_n, J_n = rows[:, POSE].T.copy(), -rows[:, JOINTS]
     return QuasiStatics(G_n, J_n, -load[POSE], load[JOINTS], world.scale)

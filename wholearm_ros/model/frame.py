@@ -41,6 +41,14 @@ def turned(frame: Frame, x: Value, y: Value) -> tuple[Value, Value]:
     return frame.cos * x - frame.sin * y, frame.sin * x + frame.cos * y
 
 
+def seen_from(frame: Frame, other: Frame) -> Frame:
+    """The other frame, as it is in the first one."""
+    x, y = in_body(frame, other.x, other.y)
+    cos = frame.cos * other.cos + frame.sin * other.sin
+    sin = frame.cos * other.sin - frame.sin * other.cos
+    return Frame(x, y, cos, sin)
+
+
 def placed(vertices: np.ndarray, pose: np.ndarray) -> np.ndarray:
     """(n, 2) [m]: vertices (n, 2) of a body at `pose` (3,) [m, m, rad]."""
     return np.column_stack(in_world(frame_at(*pose), vertices[:, 0], vertices[:, 1]))

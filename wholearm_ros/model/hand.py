@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wholearm_ros.model.arrays import readonly
+from wholearm_ros.model.finger_shape import FingerShape
 
 LEFT, RIGHT = 0, 1
 SIDES = ('left', 'right')
@@ -14,18 +15,17 @@ CLOSING = -1.0, 1.0  # sign of a joint velocity or torque that moves a finger to
 
 @dataclass(frozen=True, eq=False)
 class Finger:
-    """A rectangular finger that turns about a fixed axis.
+    """A finger that turns about a fixed axis.
 
     Its joint angle θ is its direction, counter-clockwise from +x.
 
-    axis: (2,) [m]; length, half_width [m]; mass [kg]; rotor_inertia [kg m²] seen at the joint;
-    angle_limits: (2,) [rad]; torque_limit [N m]; joint_friction [N m]: Coulomb friction about the
-    axis, of which plans know nothing.
+    axis: (2,) [m]; shape: in its frame, x along the finger from the axis; mass [kg], uniform;
+    rotor_inertia [kg m²] seen at the joint; angle_limits: (2,) [rad]; torque_limit [N m];
+    joint_friction [N m]: Coulomb friction about the axis, of which plans know nothing.
     """
 
     axis: np.ndarray
-    length: float
-    half_width: float
+    shape: FingerShape
     mass: float
     rotor_inertia: float
     angle_limits: np.ndarray
@@ -38,23 +38,21 @@ class Finger:
 
     @property
     def inertia(self) -> float:
-        """About the joint axis [kg m²]: uniform rectangle plus rotor."""
-        about_centre = self.mass * (self.length**2 + (2 * self.half_width) ** 2) / 12.0
-        return about_centre + self.mass * (self.length / 2) ** 2 + self.rotor_inertia
+        """About the joint axis [kg m²]: uniform shape plus rotor."""
+        return self.shape.inertia(self.mass) + self.rotor_inertia
 
     @property
-    def outline(self) -> np.ndarray:
-        """(4, 2) [m] corners, counter-clockwise, in its frame: from the axis along +x."""
-        length, half = self.length, self.half_width
-        return np.array([[0.0, -half], [length, -half], [length, half], [0.0, half]])
+    def inertia_about_centre(self) -> float:
+        """About the centre of mass, rotor included [kg m²]: for engines of free bodies."""
+        x, y = self.shape.centre
+        return float(self.inertia - self.mass * (x**2 + y**2))
 
     def mirrored(self) -> 'Finger':
         """The mirror image (x → -x, θ → π - θ)."""
         low, high = self.angle_limits
         return Finger(
             self.axis * [-1.0, 1.0],
-            self.length,
-            self.half_width,
+            self.shape.mirrored(),
             self.mass,
             self.rotor_inertia,
             np.array([np.pi - high, np.pi - low]),

@@ -16,9 +16,9 @@ class Probe:
 
     places: (k,) angles of the held finger at which the pair of angles is read [rad], each further
     closed than the one before; opened: (2,) how far each finger opens first [rad]; torque: of the
-    closing finger [N m], beyond its own weight; weights: (2,) torque that bears each finger when it
-    is horizontal [N m]; stops: (2,) angles beyond which no finger is sent [rad]; acceleration: of
-    the held finger at most [rad/s²].
+    closing finger [N m], beyond its own weight; weights: (2, 2) [N m] of the fingers, see
+    `weight.bearing_torques`; stops: (2,) angles beyond which no finger is sent [rad]; acceleration:
+    of the held finger at most [rad/s²].
     """
 
     held: int
@@ -31,8 +31,8 @@ class Probe:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'places', readonly(self.places, (-1,)))
-        for name in ('opened', 'weights', 'stops'):
-            object.__setattr__(self, name, readonly(getattr(self, name), (2,)))
+        for name, shape in (('opened', (2,)), ('weights', (2, 2)), ('stops', (2,))):
+            object.__setattr__(self, name, readonly(getattr(self, name), shape))
 
     @property
     def closing(self) -> int:
@@ -55,12 +55,15 @@ class Probe:
     def from_dict(cls, d: dict[str, Any]) -> 'Probe':
         """Raises DocumentError when something is missing or of the wrong kind."""
         try:
+            weights = np.array(d['weights'], dtype=float)
+            if weights.shape == (2,):  # older documents: their fingers are rectangles
+                weights = np.column_stack([weights, np.zeros(2)])
             probe = cls(
                 SIDES.index(d['held']),
                 d['places'],
                 d['opened'],
                 float(d['torque']),
-                d['weights'],
+                weights,
                 d['stops'],
                 float(d.get('acceleration', 3.0)),
             )

@@ -131,10 +131,12 @@ class Scenario:
     name: str = ''
 
     @property
-    def finger_moments(self) -> tuple[float, float]:
-        """m g L / 2 [N m] of the left and the right finger: what holds them level."""
-        g, left, right = -float(self.gravity.pull[1]), self.hand.left, self.hand.right
-        return left.mass * g * left.length / 2, right.mass * g * right.length / 2
+    def finger_weights(self) -> np.ndarray:
+        """(2, 2) [N m], a row a finger, left then right: m g times how far its centre of mass is
+        from the axis along and across it; m g L / 2 and 0 of a rectangle. See `bearing_torques`.
+        """
+        g, fingers = -float(self.gravity.pull[1]), (self.hand.left, self.hand.right)
+        return readonly([f.mass * g * f.shape.centre for f in fingers])
 
     @property
     def to_be_felt(self) -> bool:

@@ -9,34 +9,38 @@ from collections.abc import Iterable
 import numpy as np
 
 from wholearm_ros.model.convex import crossing_edges, turns
+from wholearm_ros.model.finger_shape import ConvexParts, FingerShape, Rectangle
+from wholearm_ros.model.frame import Frame
 from wholearm_ros.model.hand import SIDES
-from wholearm_ros.model.polygon import Polygon
+from wholearm_ros.model.polygon import Polygon, edge_table
 from wholearm_ros.model.scenario_schema import (
     FingerTable,
     GoalOnEdgeTable,
     ScenarioTable,
     StartOnEdgeTable,
 )
+from wholearm_ros.model.separation import part_clearance, point_clearance
 
 MIN_EDGE = 1e-3  # [m] a shorter edge is a mistake, and of the size of the contact tolerances
+ON_OUTLINE = 1e-9  # [m] a point that is nearer to an outline is on it
+HERE = Frame(0.0, 0.0, 1.0, 0.0)
 MIN_TURN = 1e-3  # sine of the smallest turn at a vertex that is still a corner
 
 
 def problems_with(table: ScenarioTable) -> list[str]:
     """Every problem that the tables show by themselves."""
-    shape = _object_problems(np.array(table.object.vertices))
+    shape = _outline_problems('object.vertices', np.array(table.object.vertices))
     palm = _palm_problems(np.array(table.palm.vertices))
     hand = [
         p for side in SIDES for p in _finger_problems(f'hand.{side}', getattr(table.hand, side))
     ]
     rest = [] if shape else _rest_problems(table)
-    size = [] if shape else _size_problems(table)
+    size = [] if shape or hand else _size_problems(table)
     return shape + size + hand + palm + rest + ([] if palm else _place_problems(table))
 
 
 # ---------------------------------------------------------------------- shapes
-def _object_problems(vertices: np.ndarray) -> list[str]:
-    key = 'object.vertices'
+def _outline_problems(key: str, vertices: np.ndarray) -> list[str]:
     lengths = np.linalg.norm(np.roll(vertices, -1, axis=0) - vertices, axis=1)
     if lengths.min() < MIN_EDGE:
         k = int(lengths.argmin())
@@ -72,7 +76,8 @@ def _size_problems(table: ScenarioTable) -> list[str]:
     """An object larger than the open hand is one whose lengths are in another unit."""
     vertices, left, right = np.array(table.object.vertices), table.hand.left, table.hand.right
     size = float(np.linalg.norm(vertices[:, None] - vertices[None], axis=-1).max())
-    span = float(np.hypot(*np.subtract(left.axis, right.axis)) + left.length + right.length)
+    lengths = sum(finger_shape(finger).length for finger in (left, right))
+    span = float(np.hypot(*np.subtract(left.axis, right.axis)) + lengths)
     if size <= span:
         return []
     return [
@@ -89,12 +94,85 @@ def _finger_problems(key: str, finger: FingerTable) -> list[str]:
         problems.append(
             f'{key}.angle_limits: got {finger.angle_limits}; allowed: the lower one first'
         )
+    shape = _drawn_finger_problems if _drawn(finger) else _rectangle_problems
+    return problems + shape(key, finger)
+
+
+def finger_shape(finger: FingerTable) -> FingerShape:
+    """What the table's keys say, of a table without problems."""
+    drawn = _drawn(finger)
+    if drawn:
+        return ConvexParts([np.array(vertices) for _, vertices in drawn])
+    assert finger.length is not None and finger.half_width is not None
+    return Rectangle(finger.length, finger.half_width)
+
+
+def _drawn(finger: FingerTable) -> list[tuple[str, list[list[float]]]]:
+    """(key, vertices) of each part that the table draws; none of a rectangle."""
+    found = [] if finger.vertices is None else [('vertices', finger.vertices)]
+    return found + [(f'parts[{k}]', part) for k, part in enumerate(finger.parts or [])]
+
+
+def _rectangle_problems(key: str, finger: FingerTable) -> list[str]:
+    missing = [name for name in ('length', 'half_width') if getattr(finger, name) is None]
+    if len(missing) == 2:
+        return [
+            f'{key}: got a finger without a shape; '
+            'allowed: length and half_width, or vertices, or parts'
+        ]
+    if missing:
+        return [f'{key}.{missing[0]}: missing; this key is needed']
+    assert finger.length is not None and finger.half_width is not None
     if finger.half_width >= finger.length:
-        problems.append(
+        return [
             f'{key}.half_width: got {finger.half_width}; '
             f'allowed: less than the length, {finger.length}'
-        )
-    return problems
+        ]
+    return []
+
+
+def _drawn_finger_problems(key: str, finger: FingerTable) -> list[str]:
+    given = [
+        name
+        for name in ('length', 'half_width', 'vertices', 'parts')
+        if getattr(finger, name) is not None
+    ]
+    if len(given) > 1:
+        return [
+            f'{key}: got {" and ".join(given)}; '
+            'allowed: length and half_width, or vertices, or parts'
+        ]
+    parts = [(f'{key}.{name}', np.array(vertices)) for name, vertices in _drawn(finger)]
+    outlines = [problem for name, part in parts for problem in _outline_problems(name, part)]
+    return outlines or _place_of_axis_problems(f'{key}.{given[0]}', [part for _, part in parts])
+
+
+def _place_of_axis_problems(key: str, parts: list[np.ndarray]) -> list[str]:
+    """Where the axis is not in the finger, or that does not go along x, or not in one piece."""
+    tables = [edge_table(part, closed=True) for part in parts]
+    away = min(point_clearance(table, HERE, 0.0, 0.0)[0] for table in tables)
+    if away > ON_OUTLINE:
+        return [
+            f'{key}: got a finger {1e3 * away:.3g} mm beside its axis; '
+            'allowed: vertices about the axis, which is their origin, and lies in the finger'
+        ]
+    length = max(float(part[:, 0].max()) for part in parts)
+    if length < MIN_EDGE:
+        return [
+            f'{key}: got a finger that reaches {length} m along x; '
+            'allowed: x along the finger, from the axis to the tip'
+        ]
+    held, waiting = [0], list(range(1, len(parts)))
+    for one in held:
+        gaps = {k: part_clearance(tables[one], HERE, tables[k], HERE) for k in waiting}
+        near = [k for k, gap in gaps.items() if gap <= ON_OUTLINE]
+        waiting = [k for k in waiting if k not in near]
+        held += near
+    return [
+        f'{key}[{k}]: got a part that touches no other one that hangs on part 0; '
+        'allowed: parts that overlap'
+        for k in waiting
+    ]
 
 
 def _palm_problems(vertices: np.ndarray) -> list[str]:

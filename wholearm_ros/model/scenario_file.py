@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from wholearm_ros.errors import ScenarioError
+from wholearm_ros.model.finger_shape import FingerShape, Rectangle
 from wholearm_ros.model.hand import SIDES, Finger, Hand, Palm
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import (
@@ -19,10 +20,11 @@ from wholearm_ros.model.scenario import (
     StartAtPose,
     StartOnEdge,
 )
-from wholearm_ros.model.scenario_checks import problems_with
+from wholearm_ros.model.scenario_checks import finger_shape, problems_with
 from wholearm_ros.model.scenario_schema import (
     AT_POSE,
     ON_EDGE,
+    FingerTable,
     GoalOnEdgeTable,
     ScenarioTable,
     StartOnEdgeTable,
@@ -76,11 +78,16 @@ def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
 
 def _build(table: ScenarioTable) -> Scenario:
     thing = ManipulatedObject(Polygon(np.array(table.object.vertices)), table.object.mass)
-    hand = Hand(*(Finger(**getattr(table.hand, side).model_dump()) for side in SIDES))
+    hand = Hand(*(_finger(getattr(table.hand, side)) for side in SIDES))
     gravity = Gravity(table.gravity.acceleration, float(np.radians(table.gravity.tilt_deg)))
     palm = Palm(np.array(table.palm.vertices))
     start, goal = _start(table, thing.polygon), _goal(table)
     return Scenario(thing, hand, palm, gravity, start, goal, table.name)
+
+
+def _finger(table: FingerTable) -> Finger:
+    others = table.model_dump(exclude={'length', 'half_width', 'vertices', 'parts'})
+    return Finger(shape=finger_shape(table), **others)
 
 
 def _start(table: ScenarioTable, polygon: Polygon) -> StartOnEdge | StartAtPose:
@@ -106,13 +113,20 @@ def _goal(table: ScenarioTable) -> GoalOnEdge | GoalAtPose:
 def _finger_to_dict(f: Finger) -> dict[str, Any]:
     return {
         'axis': f.axis.tolist(),
-        'length': f.length,
-        'half_width': f.half_width,
+        **_shape_to_dict(f.shape),
         'mass': f.mass,
         'rotor_inertia': f.rotor_inertia,
         'angle_limits': f.angle_limits.tolist(),
         'torque_limit': f.torque_limit,
     }
+
+
+def _shape_to_dict(shape: FingerShape) -> dict[str, Any]:
+    if isinstance(shape, Rectangle):
+        return {'length': shape.length, 'half_width': shape.half_width}
+    if len(shape.parts) == 1:
+        return {'vertices': shape.parts[0].tolist()}
+    return {'parts': [part.tolist() for part in shape.parts]}
 
 
 def _start_to_dict(start: StartOnEdge | StartAtPose) -> dict[str, Any]:

@@ -5,6 +5,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
 MAX_VERTICES = 64
+MAX_PARTS = 8  # of a finger; a contact pair has room for 252 edges of it
+MAX_PART_VERTICES = 24
 MAX_LENGTH = 10.0  # [m] no coordinate or size is larger
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
@@ -30,12 +32,19 @@ class ObjectTable(_Table):
     mass: Mass
 
 
+Part = Annotated[list[Point], Field(min_length=3, max_length=MAX_PART_VERTICES)]
+
+
 class FingerTable(_Table):
-    """One finger of the key `hand`."""
+    """One finger of the key `hand`: a rectangle of length and half width, or vertices of a convex
+    polygon, or several such polygons.
+    """
 
     axis: Point
-    length: Length
-    half_width: Length
+    length: Length | None = None
+    half_width: Length | None = None
+    vertices: Part | None = None
+    parts: Annotated[list[Part], Field(min_length=1, max_length=MAX_PARTS)] | None = None
     mass: Mass
     rotor_inertia: Annotated[float, Strict(), Field(ge=0.0, le=100.0, allow_inf_nan=False)]
     angle_limits: Pair

@@ -1,13 +1,14 @@
 """How far a convex body is from a point and from a finger, as plain formulas: `kernels/` compiles
 these very functions.
 
-obj: (n, 5), the edges of the body in its frame, see `polygon.edge_table`.
+obj: (n, 5), the edges of the body in its frame, see `polygon.edge_table`. Separations are those of
+the separating axis theorem: positive apart, negative where bodies overlap.
 """
 
 import numpy as np
 from numpy import maximum, minimum
 
-from wholearm_ros.model.frame import Frame, Value, in_body, in_world, turned
+from wholearm_ros.model.frame import Frame, Value, in_body, in_world, seen_from, turned
 
 
 def point_clearance(obj: np.ndarray, frame: Frame, x: float, y: float) -> tuple[float, int]:
@@ -23,11 +24,10 @@ def point_clearance(obj: np.ndarray, frame: Frame, x: float, y: float) -> tuple[
     return best, edge
 
 
-def finger_clearance(
+def rectangle_clearance(
     obj: np.ndarray, frame: Frame, finger: Frame, length: float, half_width: float
 ) -> Value:
-    """Separation [m] of the body and a finger by the separating axis theorem: positive apart,
-    negative where they overlap.
+    """Separation [m] of the body and a rectangular finger.
 
     finger: its frame, or frames as arrays; it reaches from there along x for `length`.
     """
@@ -46,3 +46,30 @@ def finger_clearance(
     beside = maximum(near_across - half_width, -far_across - half_width)
     beyond = maximum(near_along - length, -far_along)
     return maximum(greatest, maximum(beside, beyond))
+
+
+def part_clearance(obj: np.ndarray, frame: Frame, part: np.ndarray, finger: Frame) -> Value:
+    """Separation [m] of the body and a convex part (m, 5 or more), its edges as those of `obj`.
+
+    finger: the part's frame, or frames as arrays.
+    """
+    here, there = seen_from(finger, frame), seen_from(frame, finger)
+    over_the_body = _height_over(obj, part, there)
+    return maximum(over_the_body, _height_over(part, obj, here))
+
+
+def _height_over(edges: np.ndarray, points: np.ndarray, frame: Frame) -> Value:
+    """The greatest height [m] over one of the edges (n, 5) of the lowest of the points (m, 2 or
+    more), which have the frame `frame` in that of the edges.
+    """
+    greatest = -np.inf
+    for j in range(edges.shape[0]):
+        nx, ny = edges[j, 2], edges[j, 3]
+        along = nx * frame.cos + ny * frame.sin
+        across = ny * frame.cos - nx * frame.sin
+        lowest = np.inf
+        for k in range(points.shape[0]):
+            lowest = minimum(lowest, along * points[k, 0] + across * points[k, 1])
+        height = nx * (frame.x - edges[j, 0]) + ny * (frame.y - edges[j, 1])
+        greatest = maximum(greatest, height + lowest)
+    return greatest

@@ -10,7 +10,7 @@ from wholearm_ros.model.hand import LEFT, SIDES
 from wholearm_ros.model.orientation import palm_segment_under, start_rotation
 from wholearm_ros.model.polygon import edge_table, pose_on_edge
 from wholearm_ros.model.scenario import GoalAtPose, Scenario, StartAtPose
-from wholearm_ros.model.separation import finger_clearance, point_clearance
+from wholearm_ros.model.separation import part_clearance, point_clearance
 
 MAX_PENETRATION = 1e-4  # [m] at the start
 SWEEP = 181  # angles at which a closing finger is looked at
@@ -79,7 +79,9 @@ def _finger_clearance(scenario: Scenario, pose: np.ndarray, side: int, angle: Va
     finger = scenario.hand[side]
     edges = edge_table(scenario.object.polygon.vertices_about_centroid, closed=True)
     at = frame_at(finger.axis[0], finger.axis[1], angle)
-    return finger_clearance(edges, frame_at(*pose), at, finger.length, finger.half_width)
+    parts = [edge_table(part, closed=True) for part in finger.shape.parts]
+    gaps = [part_clearance(edges, frame_at(*pose), part, at) for part in parts]
+    return np.min(gaps, axis=0)
 
 
 def _finger_penetration(

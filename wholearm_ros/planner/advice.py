@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from wholearm_ros.errors import ScenarioError
-from wholearm_ros.model.hand import SIDES
+from wholearm_ros.model.finger_shape import Rectangle
+from wholearm_ros.model.hand import LEFT, RIGHT, SIDES
 from wholearm_ros.model.plan import NOT_EXECUTABLE
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
@@ -117,7 +118,7 @@ def changes(scenario: Scenario) -> list[Change]:
 
 def _tables(scenario: Scenario, told: Table) -> Iterator[tuple[str, float, Table]]:
     start, goal, hand = scenario.start, scenario.goal, scenario.hand
-    step = min(hand.left.length, hand.right.length) / STEPS_PER_LENGTH
+    step = min(hand.left.shape.length, hand.right.shape.length) / STEPS_PER_LENGTH
     if isinstance(start, StartOnEdge):
         for steps in (1, -1, 2, -2, 3, -3):
             x = round(start.x + steps * step, 6)
@@ -132,7 +133,8 @@ def _tables(scenario: Scenario, told: Table) -> Iterator[tuple[str, float, Table
         height, size = ('higher', 'longer') if steps > 0 else ('lower', 'shorter')
         yield f'both axes {words} {apart}', AXES * abs(steps), _moved(told, (-by, 0), (by, 0))
         yield f'both axes {words} {height}', AXES * abs(steps), _moved(told, (0, by), (0, by))
-        yield f'both fingers {words} {size}', FINGERS * abs(steps), _stretched(told, by)
+        if all(isinstance(hand[side].shape, Rectangle) for side in (LEFT, RIGHT)):
+            yield f'both fingers {words} {size}', FINGERS * abs(steps), _stretched(told, by)
 
 
 def _told(key: str, old: float, new: float) -> str:

@@ -12,7 +12,7 @@ from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.kernels.rollout import ClosedLoop, Plant, Record, Start, run_trajectory
 from wholearm_ros.kernels.switch_law import Course, Switch
 from wholearm_ros.mechanics.world import World, build_world
-from wholearm_ros.model.configuration import JOINTS, SIZE
+from wholearm_ros.model.configuration import SIZE
 from wholearm_ros.model.goal import GoalRegion, goal_region
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation, draw_perturbation
 from wholearm_ros.model.scenario import Scenario, StartOnEdge
@@ -96,7 +96,7 @@ def moved_sample(scenario: Scenario, sample: PerturbedSample, x: float) -> Pertu
 def start_at_rest(sample: PerturbedSample) -> Start:
     """At the sample's start, the drives holding the fingers and asked for their weight."""
     q = sample.start
-    return Start(q, np.zeros(SIZE), sample.world.finger_moment * np.cos(q[JOINTS]), True, -1)
+    return Start(q, np.zeros(SIZE), sample.world.bearing(q), True, -1)
 
 
 def follow_course(

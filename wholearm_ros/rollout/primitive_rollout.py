@@ -37,7 +37,7 @@ class Rest:
 
 def released(world: World, q: np.ndarray) -> Rest:
     """At rest in q (5,), the fingers bearing only their own weight."""
-    return Rest(q, world.finger_moment * np.cos(q[JOINTS]))
+    return Rest(q, world.bearing(q))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +96,7 @@ def simulate_primitive(world: World, start: Rest, move: MotionPrimitive) -> Prim
     """Forward dynamics of a primitive from rest, without friction."""
     side = move.velocity_finger
     other = 1 - side
-    weight = world.finger_moment[other] * np.cos(start.q[joint_index(other)])
-    torque = float(weight + CLOSING[other] * move.torque)
+    torque = float(world.bearing(start.q)[other] + CLOSING[other] * move.torque)
     ramp = _steps(max(SHORTEST_RAMP, abs(torque - start.efforts[other]) / move.slew))
     turn = _steps(max(0.06, PEAK_SPEED * abs(move.turn) / move.speed)) if move.turn else 0
     total = ramp + turn + _steps(move.settle)

@@ -9,6 +9,7 @@ from wholearm_ros.errors import HardwareError
 from wholearm_ros.kernels.control_law import HOLD_GAINS, holding_effort
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.weight import bearing_torques
 
 
 class Drives:
@@ -21,7 +22,7 @@ class Drives:
     def __init__(self, scenario: Scenario, perturbation: Perturbation, dt: float) -> None:
         fingers = (scenario.hand.left, scenario.hand.right)
         self._limits = np.array([f.torque_limit for f in fingers])
-        self._weights = np.array(scenario.finger_moments)  # [N m] at θ = 0
+        self._weights = scenario.finger_weights
         self._factors = perturbation.torque_factors
         self._delay = int(round(perturbation.actuation_delay / dt))
         self.reset(np.zeros(2))
@@ -30,7 +31,7 @@ class Drives:
         """angles: (2,) [rad] to hold."""
         self._held: Optional[np.ndarray] = np.array(angles, dtype=float)
         self._waiting: deque[Optional[np.ndarray]] = deque([None] * self._delay)
-        self.asked: np.ndarray = self._weights * np.cos(self._held)  # (2,) [N m]
+        self.asked: np.ndarray = bearing_torques(self._weights, self._held)  # (2,) [N m]
 
     def torques(
         self, command: Optional[np.ndarray], angles: np.ndarray, velocities: np.ndarray
@@ -50,7 +51,8 @@ class Drives:
             self._held = None
         else:
             self._held = angles.copy() if self._held is None else self._held
-            acting = holding_effort(HOLD_GAINS, self._weights, self._held, angles, velocities)
+            weight = bearing_torques(self._weights, angles)
+            acting = holding_effort(HOLD_GAINS, weight, self._held, angles, velocities)
         self.asked = np.clip(acting if command is None else command, -self._limits, self._limits)
         torques: np.ndarray = np.clip(acting, -self._limits, self._limits) * self._factors
         return torques

@@ -6,16 +6,18 @@ two slides and a hinge: planar exactly. No joint has damping, friction or a moto
 In the plane two convex polygons touch at a vertex of one and an edge of the other, so that is what
 collides here: a sphere of CORNER_RADIUS at every vertex of the object against the exact boxes of
 fingers and palm, and one at every corner of fingers and palm against the exact prism of the object.
+Parts of fingers that are no boxes are exact prisms, too.
 MuJoCo's own contacts of box and prism are not used: for nearly parallel faces their normals are up
 to 89 mrad off.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import mujoco
 import numpy as np
 
 from wholearm_ros.model.configuration import JOINTS, POSE, SIZE
+from wholearm_ros.model.finger_shape import FingerShape, Rectangle
 from wholearm_ros.model.hand import SIDES, Finger
 from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.scenario import Scenario
@@ -25,6 +27,9 @@ from wholearm_ros.simulation.contact_point import ContactPoint
 
 PHYSICS_RATE = 4000.0  # [Hz] at least
 CORNER_RADIUS = 1e-6  # [m] of the spheres that stand for vertices
+# [m] of the distance of a corner from a prism. At MuJoCo's own, as large as the corners, a corner
+# on a face was at times pushed off along the normal of no face at all.
+CCD_TOLERANCE = 1e-10
 HALF_DEPTH = 0.05  # [m] of every body across the plane; it carries no physics
 # Contacts and end stops. `solref`: the shortest time constant that MuJoCo allows, in steps, and a
 # damping ratio: the larger, the less of an impact's penetration comes back as speed. `solimp`: the
@@ -130,7 +135,13 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
     """
     thing = scenario.object
     outline = thing.polygon.vertices_about_centroid
-    prism = [(x, y, side) for x, y in outline for side in (-HALF_DEPTH, HALF_DEPTH)]
+    shapes = {side: getattr(scenario.hand, side).shape for side in SIDES}
+    prisms = [_prism('prism', outline)] + [
+        _prism(f'{side}_part{k}', part)
+        for side, shape in shapes.items()
+        if not isinstance(shape, Rectangle)
+        for k, part in enumerate(shape.parts)
+    ]
     solref = f'{TIME_CONSTANT_STEPS * dt} {DAMPING_RATIO}'
     solimp = f'{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2'
     return f"""
@@ -138,7 +149,8 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
   <compiler angle="radian"/>
   <option timestep="{dt}" gravity="{_numbers([scenario.gravity.pull])} 0" integrator="Euler"
           cone="elliptic" impratio="{FRICTION_IMPEDANCE}"
-          solver="Newton" jacobian="dense" iterations="100" tolerance="1e-12">
+          solver="Newton" jacobian="dense" iterations="100" tolerance="1e-12"
+          ccd_tolerance="{CCD_TOLERANCE}">
     <flag multiccd="disable"/>
   </option>
   <default>
@@ -148,7 +160,7 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
     <pair condim="{3 if friction else 1}" friction="{friction} {friction} 0 0 0"
           solref="{solref}" solreffriction="{FRICTION_TIME_CONSTANT} 1" solimp="{solimp}"/>
   </default>
-  <asset><mesh name="prism" vertex="{_numbers(prism)}"/></asset>
+  <asset>{''.join(prisms)}</asset>
   <worldbody>
     <body name="object">
       <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
@@ -158,7 +170,7 @@ def model_text(scenario: Scenario, friction: float, dt: float) -> str:
     </body>
     {_palm(scenario)}{_finger('left', scenario.hand.left)}{_finger('right', scenario.hand.right)}
   </worldbody>
-  <contact>{_pairs(len(outline), len(scenario.palm.vertices))}
+  <contact>{_pairs(len(outline), len(scenario.palm.vertices), shapes)}
   </contact>
 </mujoco>"""
 
@@ -181,18 +193,36 @@ def _palm(scenario: Scenario) -> str:
 
 def _finger(name: str, finger: Finger) -> str:
     """Its inertia, about its centre, holds the rotor's."""
-    half = finger.length / 2
-    about_centre = finger.inertia - finger.mass * half**2
+    x, y = finger.shape.centre
+    parts = ''.join(_part(name, k, finger.shape) for k in range(len(finger.shape.parts)))
     return f"""
     <body name="{name}" pos="{_numbers([[*finger.axis, 0.0]])}">
       <joint type="hinge" axis="0 0 1" limited="true" range="{_numbers([finger.angle_limits])}"
              frictionloss="{finger.joint_friction}"/>
-      <inertial pos="{half} 0 0" mass="{finger.mass}"
-                diaginertia="{_numbers([[about_centre] * 3])}"/>
-      <geom name="{name}_box0" type="box" pos="{half} 0 0"
-            size="{half} {finger.half_width} {HALF_DEPTH}"/>
-      {_spheres(name, finger.outline)}
+      <inertial pos="{_numbers([[x, y]])} 0" mass="{finger.mass}"
+                diaginertia="{_numbers([[finger.inertia_about_centre] * 3])}"/>{parts}
+      {_spheres(name, _corners(finger.shape))}
     </body>"""
+
+
+def _part(name: str, k: int, shape: FingerShape) -> str:
+    if isinstance(shape, Rectangle):
+        half = shape.length / 2
+        return f"""
+      <geom name="{name}_part{k}" type="box" pos="{half} 0 0"
+            size="{half} {shape.half_width} {HALF_DEPTH}"/>"""
+    return f"""
+      <geom name="{name}_part{k}" type="mesh" mesh="{name}_part{k}"/>"""
+
+
+def _corners(shape: FingerShape) -> np.ndarray:
+    """(c, 2) [m] where a finger can touch an edge of the object, or another part can."""
+    return np.vstack(shape.parts)
+
+
+def _prism(name: str, polygon: np.ndarray) -> str:
+    corners = [(x, y, side) for x, y in polygon for side in (-HALF_DEPTH, HALF_DEPTH)]
+    return f'<mesh name="{name}" vertex="{_numbers(corners)}"/>'
 
 
 def _spheres(body: str, points: np.ndarray) -> str:
@@ -204,16 +234,14 @@ def _spheres(body: str, points: np.ndarray) -> str:
     )
 
 
-def _pairs(object_vertices: int, palm_vertices: int) -> str:
-    """Who meets whom: the object's vertices the boxes of the hand, the hand's corners the prism."""
-    palm = [f'palm_box{k}' for k in range(palm_vertices - 1)]
-    vertices = [
-        (f'object_corner{i}', box)
-        for i in range(object_vertices)
-        for box in (*palm, *(f'{side}_box0' for side in SIDES))
-    ]
+def _pairs(object_vertices: int, palm_vertices: int, shapes: Mapping[str, FingerShape]) -> str:
+    """Who meets whom: the object's vertices the solids of the hand, its corners the prism."""
+    solids = [f'palm_box{k}' for k in range(palm_vertices - 1)]
     corners = [('prism', f'palm_corner{k}') for k in range(palm_vertices)]
-    corners += [('prism', f'{side}_corner{k}') for side in SIDES for k in range(4)]
+    for side, shape in shapes.items():
+        solids += [f'{side}_part{k}' for k in range(len(shape.parts))]
+        corners += [('prism', f'{side}_corner{k}') for k in range(len(_corners(shape)))]
+    vertices = [(f'object_corner{i}', solid) for i in range(object_vertices) for solid in solids]
     return ''.join(f'<pair geom1="{a}" geom2="{b}"/>' for a, b in vertices + corners)
 
 

@@ -100,7 +100,7 @@ class PyBulletHand:
         x, y, turn, left, right = (float(v) for v in configuration)
         for joint, value in enumerate((x * SCALE, y * SCALE, turn)):
             self._bullet.resetJointState(self._object, joint, value, 0.0)
-        for joint, value in enumerate((left, right)):
+        for joint, value in zip(self._joints, (left, right)):
             self._bullet.resetJointState(self._fingers, joint, value, 0.0)
         self._bullet.performCollisionDetection()
         self.time = 0.0
@@ -114,7 +114,7 @@ class PyBulletHand:
         for _ in range(self._substeps):
             torques = self._drives.torques(efforts, *self._truth) * SCALE**2
             self._bullet.setJointMotorControlArray(
-                self._fingers, [0, 1], pybullet.TORQUE_CONTROL, forces=torques.tolist()
+                self._fingers, self._joints, pybullet.TORQUE_CONTROL, forces=torques.tolist()
             )
             self._bullet.stepSimulation()
             self._truth = self._true_joints()
@@ -143,7 +143,7 @@ class PyBulletHand:
         for point in self._bullet.getContactPoints(bodyA=self._object):
             if point[2] == self._object:
                 continue
-            other = 'palm' if point[2] != self._fingers else SIDES[point[4]]
+            other = 'palm' if point[2] != self._fingers else SIDES[self._sides[point[4]]]
             where = np.array([point[5][0], point[5][2]]) / SCALE
             normal = np.array([point[7][0], point[7][2]])
             found.append(ContactPoint(other, where, normal, point[8] / SCALE, point[9] / SCALE))
@@ -161,7 +161,7 @@ class PyBulletHand:
         return np.array([x / SCALE, y / SCALE, turn])
 
     def _true_joints(self) -> tuple[np.ndarray, np.ndarray]:
-        left, right = self._bullet.getJointStates(self._fingers, [0, 1])
+        left, right = self._bullet.getJointStates(self._fingers, self._joints)
         return np.array([left[0], right[0]]), np.array([left[1], right[1]])
 
     def _engine(self, dt: float) -> None:
@@ -194,24 +194,32 @@ class PyBulletHand:
         return body
 
     def _make_fingers(self) -> int:
+        """Both fingers are links of one body; further parts are fixed to them, without mass."""
         fingers = (self.scenario.hand.left, self.scenario.hand.right)
-        body = self._chain(
-            [
+        links: list[_Link] = []
+        self._sides: list[int] = []  # LEFT or RIGHT of each link
+        self._joints: list[int] = []  # left then right: the link that turns
+        for side, f in enumerate(fingers):
+            x, y = f.shape.centre * SCALE
+            self._joints.append(len(links))
+            links.append(
                 _Link(
                     pybullet.JOINT_REVOLUTE,
                     _CCW,
                     parent=0,
                     mass=f.mass,
-                    shape=self._prism(f.outline, HAND_DEPTH),
+                    shape=self._prism(f.shape.parts[0], HAND_DEPTH),
                     position=(f.axis[0] * SCALE, 0.0, f.axis[1] * SCALE),
-                    centre=(f.length / 2 * SCALE, 0.0, 0.0),
+                    centre=(x, 0.0, y),
                 )
-                for f in fingers
-            ]
-        )
-        for joint, f in enumerate(fingers):
-            about_centre = f.inertia - f.mass * (f.length / 2) ** 2  # rotor included
-            self._set_inertia(body, joint, about_centre)
+            )
+            for part in f.shape.parts[1:]:
+                shape, parent = self._prism(part, HAND_DEPTH), self._joints[side] + 1
+                links.append(_Link(pybullet.JOINT_FIXED, _CCW, parent, shape=shape))
+            self._sides += [side] * len(f.shape.parts)
+        body = self._chain(links)
+        for joint, f in zip(self._joints, fingers):
+            self._set_inertia(body, joint, f.inertia_about_centre)
             low, high = f.angle_limits
             self._bullet.changeDynamics(body, joint, jointLowerLimit=low, jointUpperLimit=high)
         return body
@@ -257,8 +265,8 @@ class PyBulletHand:
                 self._bullet.setCollisionFilterGroupMask(body, link, *groups)
                 if link >= 0:
                     kind, force = pybullet.VELOCITY_CONTROL, 0.0  # a motor that brakes is friction
-                    if body == self._fingers:
-                        force = self.scenario.hand[link].joint_friction * SCALE**2
+                    if body == self._fingers and link in self._joints:
+                        force = self.scenario.hand[self._sides[link]].joint_friction * SCALE**2
                     self._bullet.setJointMotorControl2(body, link, kind, force=force)
 
 

@@ -34,7 +34,7 @@ def _misfit(world: World, leg: Leg) -> str:
         pairs = tuple(pair_from_name(name) for name in leg.contacts)
     except (ValueError, KeyError, IndexError, AttributeError, OverflowError) as error:
         return f'contacts: {error}'
-    there = all(pair_exists(pair, len(world.obj), len(world.palm)) for pair in pairs)
+    there = all(pair_exists(world, pair) for pair in pairs)
     if not there or len(leg.configurations) < 2:
         return f'contacts {leg.contacts}, {len(leg.configurations)} configurations'
     if leg.mode != QUASI_STATIC:

@@ -8,7 +8,7 @@ import numpy as np
 
 from wholearm_ros.kernels.interpolation import slew_limited
 from wholearm_ros.kernels.world import World
-from wholearm_ros.model.configuration import JOINTS, ROTATION, SIZE, joint_index
+from wholearm_ros.model.configuration import ROTATION, SIZE, joint_index
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.interpolation import quintic
 from wholearm_ros.model.modes import CAGING, DYNAMIC
@@ -102,7 +102,7 @@ def _descent(world: World, segment: MonotoneSegment, options: ExecutionOptions) 
     fastest = float((steps / np.maximum(np.diff(rotation), 1e-9)).max())
     angle = rotation[0] + turn * _rest_to_rest(turn, fastest, options)
     q = np.column_stack([np.interp(angle, rotation, piece.samples[:, j]) for j in range(SIZE)])
-    efforts = world.finger_moment * np.cos(q[:, JOINTS])
+    efforts = world.bearing(q)
     holding = efforts[-1].copy()
     efforts[:, other] += CLOSING[other] * piece.torque
     holding[other] += CLOSING[other] * options.holding_torque

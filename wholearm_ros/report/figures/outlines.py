@@ -22,8 +22,8 @@ PROBE = 2e-3
 
 
 def finger_outline(finger: Finger, theta: float) -> np.ndarray:
-    """(4, 2) corners of a finger whose joint is at `theta` [rad]."""
-    return placed(finger.outline, np.array([*finger.axis, theta]))
+    """(n, 2) boundary of a finger whose joint is at `theta` [rad]."""
+    return placed(finger.shape.outline, np.array([*finger.axis, theta]))
 
 
 def object_outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
@@ -32,7 +32,7 @@ def object_outline(scenario: Scenario, pose: np.ndarray) -> np.ndarray:
 
 
 def hand_outlines(scenario: Scenario, angles: np.ndarray) -> list[np.ndarray]:
-    """Both fingers at `angles` (2,) [rad], (4, 2) each, left then right."""
+    """Both fingers at `angles` (2,) [rad], (n, 2) each, left then right."""
     return [finger_outline(scenario.hand[side], angles[side]) for side in range(len(SIDES))]
 
 
@@ -83,7 +83,7 @@ def view_box(
     for pair in angles[:: max(1, len(angles) // 40)]:
         outlines += hand_outlines(scenario, pair)
     points = np.vstack(outlines)
-    reach = max(f.length for f in (scenario.hand.left, scenario.hand.right))
+    reach = max(f.shape.length for f in (scenario.hand.left, scenario.hand.right))
     axes = np.array([scenario.hand.left.axis, scenario.hand.right.axis])
     low = np.maximum(points.min(axis=0), axes.min(axis=0) - reach) - MARGIN
     high = np.minimum(points.max(axis=0), axes.max(axis=0) + 1.5 * reach) + MARGIN

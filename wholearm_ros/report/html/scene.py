@@ -20,7 +20,7 @@ def scene(scenario: Scenario, poses: np.ndarray, angles: np.ndarray) -> dict[str
         fingers.append(
             {
                 'axis': numbers(1e3 * finger.axis, 2),
-                'outline': numbers(1e3 * finger.outline, 2),
+                'outline': numbers(1e3 * finger.shape.outline, 2),
             }
         )
     return {

@@ -1,14 +1,20 @@
 """The hand as URDF: palm, both fingers and their joints, made from the scenario."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from math import atan2
 from xml.sax.saxutils import quoteattr
 
+import numpy as np
+
+from wholearm_ros.model.finger_shape import FingerShape, Rectangle
 from wholearm_ros.model.hand import JOINT_NAMES, SIDES, Finger
 from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.union import below
 from wholearm_ros.ros.interface.channels import FINGER_FRAMES, PALM_FRAME
 
 THICKNESS = 0.02  # [m] across the plane, for show
+SLICES = 12  # of a part of a finger that is no rectangle
 MAX_SPEED = 20.0  # [rad/s]
 
 
@@ -76,19 +82,14 @@ def _palm_slabs(scenario: Scenario) -> Iterator[str]:
 
 def _finger(finger: Finger, joint: str, frame: str) -> list[str]:
     low, high = finger.angle_limits
-    centre = finger.length / 2
-    across = finger.inertia - finger.mass * centre**2
+    x, y = finger.shape.centre
+    across = finger.inertia_about_centre
     return [
         f'<link name="{frame}">',
-        f'<inertial><origin xyz="{centre:.6g} 0 0"/><mass value="{finger.mass:.6g}"/>'
+        f'<inertial><origin xyz="{x:.6g} {y:.6g} 0"/><mass value="{finger.mass:.6g}"/>'
         f'<inertia ixx="1e-5" iyy="{across:.6g}" izz="{across:.6g}" ixy="0" ixz="0" iyz="0"/>'
         '</inertial>',
-        _box(
-            f'{centre:.6g} 0 0',
-            0.0,
-            f'{finger.length:.6g} {2 * finger.half_width:.6g} {THICKNESS:.6g}',
-            '0.2 0.4 0.8 1',
-        ),
+        *(_finger_box(*box) for box in _boxes(finger.shape)),
         '</link>',
         f'<joint name="{joint}" type="revolute">'
         f'<parent link="{PALM_FRAME}"/><child link="{frame}"/>'
@@ -97,6 +98,31 @@ def _finger(finger: Finger, joint: str, frame: str) -> list[str]:
         f'velocity="{MAX_SPEED}"/>'
         '</joint>',
     ]
+
+
+def _boxes(shape: FingerShape) -> Iterator[tuple[float, float, float, float]]:
+    """low x, high x, low y, high y [m] of boxes that fill a finger: URDF has no polygons.
+
+    A part that is no rectangle is cut into SLICES across x, each as wide as in its middle.
+    """
+    if isinstance(shape, Rectangle):
+        yield 0.0, shape.length, -shape.half_width, shape.half_width
+        return
+    for part in shape.parts:
+        cuts = np.linspace(part[:, 0].min(), part[:, 0].max(), SLICES + 1)
+        for low, high in pairwise(cuts):
+            middle = below(part, np.array([1.0, 0.0]), (low + high) / 2)
+            rim = middle[middle[:, 0] >= (low + high) / 2 - 1e-12, 1]
+            yield low, high, rim.min(), rim.max()
+
+
+def _finger_box(left: float, right: float, low: float, high: float) -> str:
+    return _box(
+        f'{(left + right) / 2:.6g} {(low + high) / 2:.6g} 0',
+        0.0,
+        f'{right - left:.6g} {high - low:.6g} {THICKNESS:.6g}',
+        '0.2 0.4 0.8 1',
+    )
 
 
 def _box(xyz: str, yaw: float, size: str, colour: str) -> str:
