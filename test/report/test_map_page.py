@@ -4,9 +4,11 @@ import json
 import re
 from dataclasses import replace
 
+import pytest
 from matplotlib.colors import to_hex
 
 from wholearm_ros.model.certificate import certificate
+from wholearm_ros.model.outcomes import ABORTED, AT_GOAL, ELSEWHERE, SUCCEEDED, UNKNOWN
 from wholearm_ros.model.scenario import CCW, GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.face_map import FORMAT, FaceMap, Turn, Way
@@ -47,6 +49,19 @@ def test_the_route_of_several_runs_is_marked_in_what_the_map_knows(told):
     marked = [attempts_page(RecordedRuns((told, again), face_map=m)) for m in (known, {})]
     with_map, alone = (page.split('id="route"')[1].split('</details>')[0] for page in marked)
     assert '<svg' in alone and len(alone) < len(with_map)
+
+
+@pytest.mark.parametrize(
+    'motion, said',
+    [
+        ({'outcome': SUCCEEDED, 'claimed': AT_GOAL}, 'felt at the goal after 1 attempt'),
+        ({'outcome': ABORTED, 'claimed': UNKNOWN}, 'not known whether it is at the goal'),
+        ({'outcome': ABORTED, 'claimed': ELSEWHERE}, 'not at the goal after 1 attempt'),
+    ],
+)
+def test_of_several_runs_it_is_said_only_what_the_hand_knows(told, motion, said):
+    recorded = RecordedRuns((told, told), ({**motion, 'planned': True},))
+    assert f'>{said}' in attempts_page(recorded)
 
 
 def test_turns_that_were_made_are_numbered_and_those_that_might_have_been_are_faint():

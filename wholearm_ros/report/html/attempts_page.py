@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from wholearm_ros.model.outcomes import SUCCEEDED
+from wholearm_ros.model.outcomes import SUCCEEDED, UNKNOWN
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
 from wholearm_ros.planner.face_map import Turn
@@ -118,8 +118,11 @@ def _verdict(recorded: RecordedRuns) -> str:
     if not recorded.motions:
         return f'<p class="verdict unknown">{len(recorded.runs)} runs, without a supervisor</p>'
     last = recorded.motions[-1]
-    good = last.get('outcome') == SUCCEEDED
     attempts = sum(bool(motion.get('planned')) for motion in recorded.motions)
     count = f'{attempts} attempt' + ('' if attempts == 1 else 's')
-    kind, said = ('good', 'felt at the goal') if good else ('bad', 'not at the goal')
+    kind, said = 'bad', 'not at the goal'
+    if last.get('outcome') == SUCCEEDED:
+        kind, said = 'good', 'felt at the goal'
+    elif last.get('claimed') == UNKNOWN:
+        kind, said = 'unknown', 'not known whether it is at the goal'
     return f'<p class="verdict {kind}">{said} after {count}</p>'
