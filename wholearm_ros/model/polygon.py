@@ -31,12 +31,12 @@ class Polygon:
     @property
     def area(self) -> float:
         """Area [m²]."""
-        return 0.5 * float(_cross_with_next(self.vertices).sum())
+        return 0.5 * float(cross_with_next(self.vertices).sum())
 
     @cached_property
     def centroid(self) -> np.ndarray:
         """(2,) centroid [m], in the frame of `vertices`."""
-        v, cross = self.vertices, _cross_with_next(self.vertices)
+        v, cross = self.vertices, cross_with_next(self.vertices)
         return readonly(
             ((v + np.roll(v, -1, axis=0)) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()), (2,)
         )
@@ -50,7 +50,7 @@ class Polygon:
     def radius_of_gyration_squared(self) -> float:
         """Second polar moment of area about the centroid over the area [m²]."""
         v = self.vertices_about_centroid
-        w, cross = np.roll(v, -1, axis=0), _cross_with_next(v)
+        w, cross = np.roll(v, -1, axis=0), cross_with_next(v)
         return float(
             (cross * ((v * v) + (v * w) + (w * w)).sum(axis=1)).sum() / (6.0 * cross.sum())
         )
@@ -135,7 +135,8 @@ def same_outlines(polygon: Polygon, one: int, other: int, tolerance: float) -> b
     return bool(np.linalg.norm(turned[1] - turned[0], axis=1).max() < tolerance)
 
 
-def _cross_with_next(v: np.ndarray) -> np.ndarray:
+def cross_with_next(v: np.ndarray) -> np.ndarray:
+    """(n,): twice the area that each vertex of v (n, 2) spans with the next one and the origin."""
     w = np.roll(v, -1, axis=0)
     cross: np.ndarray = v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]
     return cross

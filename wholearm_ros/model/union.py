@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wholearm_ros.model.polygon import edge_table
+from wholearm_ros.model.polygon import cross_with_next, edge_table
 
 BESIDE = 1e-9  # [m] to either side of an edge it is asked what is there
 SAME_END = 1e-7  # [m] ends of an outline's pieces that are nearer are one
@@ -29,8 +29,7 @@ def _shared(polygon: np.ndarray, others: Sequence[np.ndarray]) -> list[np.ndarra
 
 
 def _moments(v: np.ndarray) -> np.ndarray:
-    w = np.roll(v, -1, axis=0)
-    cross = v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]
+    w, cross = np.roll(v, -1, axis=0), cross_with_next(v)
     x, y = cross @ (v + w) / 6.0
     return np.array([cross.sum() / 2.0, x, y, cross @ (v * v + v * w + w * w).sum(axis=1) / 12.0])
 

@@ -73,23 +73,25 @@ class PrimitiveWays:
         which most others do.
         """
         rest, sweep = self.tree.states[k].rest, Sweep()
-        tried: dict[MotionPrimitive, PrimitiveRecord] = {}
+        missing: dict[MotionPrimitive, float] = {}  # of those tried
+        over: dict[MotionPrimitive, np.ndarray] = {}  # where they end
         fresh = flings(self.tree.problem, rest.q)
         for _ in range(FLING_ROUNDS):
-            tried.update(zip(fresh, self._simulate(rest, fresh)))
-            near = sorted(tried, key=lambda fling: self._missing(tried[fling]))[:FLING_SEEDS]
+            for fling, record in zip(fresh, self._simulate(rest, fresh)):
+                missing[fling] = self._missing(record)
+                if missing[fling] < 0.0:
+                    over[fling] = record.configurations[-1]
+            near = sorted(missing, key=lambda fling: missing[fling])[:FLING_SEEDS]
             fresh = [
                 beside
                 for fling in near
-                if self._missing(tried[fling]) < FLING_NEAR
+                if missing[fling] < FLING_NEAR
                 for beside in flings_beside(fling)
-                if beside not in tried
+                if beside not in missing
             ]
-        over = [fling for fling, record in tried.items() if self._missing(record) < 0.0]
-        for fling in over:
+        for fling, q in over.items():
             beside = flings_beside(fling)
             doubt = 1.0 - sum(other in over for other in beside) / len(beside)
-            q = tried[fling].configurations[-1]
             self._push(k, fling, q, later + DOUBT_PRICE * doubt, sweep)
 
     def _missing(self, record: PrimitiveRecord) -> float:
