@@ -1,8 +1,8 @@
 """Candidates: the motion primitives worth simulating from a state at rest.
 
 Either finger is swept either way under a few torques of the other one; every so far along a sweep
-is a place to stop. Near the top of the last cage there are flings, too: quick primitives whose
-momentum carries the object over configurations that no torque holds.
+is a place to stop. Flings are quick primitives whose momentum carries the object over
+configurations that no torque holds: gentle ones near the top of the last cage, throws from afar.
 """
 
 from collections.abc import Iterator
@@ -27,11 +27,8 @@ STOP_EVERY = 0.1  # [rad] along a sweep
 JAMMED = 0.1  # [rad] by which a swept finger may lag behind before the sweep counts as jammed
 HELD = 1e-3  # [m] gap of a finger that is at the object, on the way
 LONG_SETTLE = 0.6  # [s] for a primitive that does not end at rest at once
-FLING_TURNS = (-0.5, -0.2, 0.2, 0.5)  # [rad]
-FLING_TORQUES = (0.2, 1.0, 3.5)  # [N m]
-FLING_SPEED, FLING_SLEW = 5.0, 50.0  # [rad/s], [N m/s]
+FLING_SLEW = 50.0  # [N m/s]
 FLING_STEPS = 1.35, 1.6, 1.35  # factors of turn, torque and speed between flings beside one another
-FLING_WITHIN = 0.8  # [rad] of where the object may be released
 
 
 @dataclass(frozen=True)
@@ -47,6 +44,22 @@ class Style:
 STYLES = Style(2.0, (0.05, 0.2, 0.6, 1.5, 3.5)), Style(1.2, (0.1, 0.35, 1.0, 2.5))
 
 
+@dataclass(frozen=True)
+class Flings:
+    """Where to begin looking for one: peak speed [rad/s], turns [rad] and torques of the other
+    finger towards closing [N m]; within: so far [rad] from where the object may be released.
+    """
+
+    speed: float
+    turns: tuple[float, ...]
+    torques: tuple[float, ...]
+    within: float
+
+
+GENTLE = Flings(5.0, (-0.5, -0.2, 0.2, 0.5), (0.2, 1.0, 3.5), within=0.8)
+THROWS = Flings(10.0, (-0.9, -0.5, 0.5, 0.9), (0.4, 1.0, 2.5), within=1.3)
+
+
 def sweeps(problem: PlanningProblem, q: np.ndarray, style: Style) -> list[MotionPrimitive]:
     """Sweeps of either finger either way from q (5,), under every torque of the other."""
     return [
@@ -56,13 +69,13 @@ def sweeps(problem: PlanningProblem, q: np.ndarray, style: Style) -> list[Motion
     ]
 
 
-def flings(problem: PlanningProblem, q: np.ndarray) -> list[MotionPrimitive]:
-    """Quick primitives from q (5,), where the top of the last cage is near."""
-    if not problem.caged_goal or problem.rotation_left(q) >= FLING_WITHIN:
+def flings(problem: PlanningProblem, q: np.ndarray, kind: Flings) -> list[MotionPrimitive]:
+    """Those of a kind from q (5,) with which to begin."""
+    if not problem.caged_goal or problem.rotation_left(q) >= kind.within:
         return []
     return [
-        MotionPrimitive(side, turn, torque, FLING_SPEED, LONG_SETTLE, FLING_SLEW)
-        for side, turn, torque in product((LEFT, RIGHT), FLING_TURNS, FLING_TORQUES)
+        MotionPrimitive(side, turn, torque, kind.speed, LONG_SETTLE, FLING_SLEW)
+        for side, turn, torque in product((LEFT, RIGHT), kind.turns, kind.torques)
     ]
 
 

@@ -16,8 +16,11 @@ from wholearm_ros.rollout.parallel import parallel_map
 from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest, simulate_primitive
 from wholearm_ros.rollout.verification import MOST_BEYOND
 from wholearm_ros.search.primitive_candidates import (
+    GENTLE,
     LONG_SETTLE,
     STYLES,
+    THROWS,
+    Flings,
     Style,
     flings,
     flings_beside,
@@ -30,11 +33,13 @@ from wholearm_ros.search.ways import way_of_primitive
 # Prices, against a radian of the rotation that is left
 PRIMITIVE_PRICE = 0.06
 STYLE_PRICE = 0.3  # of every further style of sweeps
+THROW_PRICE = 0.4
 DOUBT_PRICE = 0.1  # of a fling beside which no other one succeeds
 SIBLING_PRICE = 0.1  # of every other stop along the same sweep that came to nothing
 FLING_ROUNDS = 3  # of flings beside those that came nearest to the top so far,
 FLING_SEEDS = 3  # which are so many,
 FLING_NEAR = 0.2  # [rad] if they came that near
+WRONG=1.0
 
 
 @dataclass
@@ -56,6 +61,7 @@ class PrimitiveWays:
             later = PRIMITIVE_PRICE + number * STYLE_PRICE
             price = self.tree.price_at(k, self.tree.states[k].rest.q) + later
             self.tree.push(k, price, partial(self._try, k, style, later))
+        self.tree.push(k, self.tree.states[k].paid + THROW_PRICE, partial(self._fling, k, THROWS, THROW_PRICE))
 
     def _try(self, k: int, style: Style, later: float) -> None:
         """See where primitives from state k lead."""
@@ -66,16 +72,16 @@ class PrimitiveWays:
             for stop, q in stops_along(problem, rest, move, record):
                 self._push(k, stop, q, later, sweep)
         if style is STYLES[0]:
-            self._fling(k, later)
+            self._fling(k, GENTLE, later)
 
-    def _fling(self, k: int, later: float) -> None:
+    def _fling(self, k: int, kind: Flings, later: float) -> None:
         """Flings from state k that carry the object over the top, the surest first: those beside
         which most others do.
         """
         rest, sweep = self.tree.states[k].rest, Sweep()
         missing: dict[MotionPrimitive, float] = {}  # of those tried
         over: dict[MotionPrimitive, np.ndarray] = {}  # where they end
-        fresh = flings(self.tree.problem, rest.q)
+        fresh = flings(self.tree.problem, rest.q, kind)
         for _ in range(FLING_ROUNDS):
             for fling, record in zip(fresh, self._simulate(rest, fresh)):
                 missing[fling] = self._missing(record)
@@ -96,13 +102,15 @@ class PrimitiveWays:
 
     def _missing(self, record: PrimitiveRecord) -> float:
         """How far from the top of the last cage a fling remained [rad], negative if the object came
-        to rest beyond it.
+        to rest beyond it; past the top, the less, the later it went wrong.
         """
         problem = self.tree.problem
         if self._ends_well(record) and problem.rotation_left(record.configurations[-1]) < 0.0:
             return -1.0
         peak = record.configurations[np.argmax(record.configurations[:, ROTATION])]
-        return max(0.0, problem.rotation_left(peak))
+        move=record.move
+        left = max(0.0, problem.rotation_left(peak))
+        return left or WRONG/len(record.wanted)
 
     def _push(
         self, k: int, move: MotionPrimitive, q: np.ndarray, later: float, sweep: Sweep
