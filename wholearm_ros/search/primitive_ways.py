@@ -33,7 +33,7 @@ from wholearm_ros.search.ways import way_of_primitive
 # Prices, against a radian of the rotation that is left
 PRIMITIVE_PRICE = 0.06
 STYLE_PRICE = 0.3  # of every further style of sweeps
-THROW_PRICE = 0.4
+THROW_PRICE = 0.25
 DOUBT_PRICE = 0.1  # of a fling beside which no other one succeeds
 SIBLING_PRICE = 0.1  # of every other stop along the same sweep that came to nothing
 FLING_ROUNDS = 3  # of flings beside those that came nearest to the top so far,
