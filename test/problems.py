@@ -97,6 +97,18 @@ ROLLING = task(
     mass=0.377,
     name='rolling',
 )
+# Turned by a throw only, from where it lies flat
+THROWN = replace(
+    task(
+        [[0.0, 0.0], [-0.094, -0.047], [-0.043, -0.114], [0.025, -0.075]],
+        3,
+        0,
+        x=0.02,
+        mass=0.205,
+        name='thrown',
+    ),
+    goal=GoalOnEdge(0, CW),
+)
 FLAT_PALMS = {
     s.name: s for s in (ASYMMETRIC, REGULAR, SQUARE, QUADRILATERAL, PENTAGON, TALL, HEPTAGON)
 }

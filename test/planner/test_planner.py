@@ -174,5 +174,5 @@ def test_samples_of_certificates_had_no_part_in_the_search():
 
 def test_where_the_first_routes_share_a_poor_way_the_search_goes_on_to_one_without_it():
     """Two of twelve samples are lost on an arc that the first ones share."""
-    plan = plan_and_verify(LEANING, PlanRequest(hand_errors=0.0)).plan
+    plan = plan_and_verify(LEANING, PlanRequest(hand_errors=0.0, moves=12000)).plan
     assert plan.found and plan.certificate.lower_bound >= PlanRequest().min_success

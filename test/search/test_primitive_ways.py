@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import ASYMMETRIC, ROLLING, SQUARE, TALL, beliefs
+from problems import ASYMMETRIC, ROLLING, SQUARE, TALL, THROWN, beliefs
 
 from wholearm_ros.errors import DocumentError
 from wholearm_ros.mechanics.world import build_world
@@ -14,12 +14,12 @@ from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.planning.routes import SearchOptions
 from wholearm_ros.rollout.primitive_rollout import Rest, released, simulate_primitive
 from wholearm_ros.search.caging_ways import CagingWays
-from wholearm_ros.search.primitive_candidates import flings, flings_beside
+from wholearm_ros.search.primitive_candidates import GENTLE, THROWS, flings, flings_beside
 from wholearm_ros.search.primitive_ways import PrimitiveWays
 from wholearm_ros.search.state_routes import StateRoutes
 from wholearm_ros.trajectory.main_trajectory import generate
 
-OPTIONS = SearchOptions(move_limit=800)
+OPTIONS = SearchOptions(move_limit=3000)
 KINDS = CagingWays, PrimitiveWays
 
 
@@ -90,7 +90,8 @@ def test_of_the_flings_that_get_over_a_sure_one_is_taken():
     legs, world = routes.next_plan().legs, routes.problem.world
     k = next(k for k, leg in enumerate(legs) if leg.action.get('speed', 0.0) > 2.0)
     fling, start = MotionPrimitive.from_dict(legs[k].action), legs[k].configurations[0]
-    assert fling not in flings(routes.problem, start)
+    grid = [f for kind in (GENTLE, THROWS) for f in flings(routes.problem, start, kind)]
+    assert fling not in grid
     rest = released(world, start)
     landing = legs[k].configurations[-1, 2]
     ends = [
@@ -98,6 +99,16 @@ def test_of_the_flings_that_get_over_a_sure_one_is_taken():
         for beside in (fling, *flings_beside(fling))
     ]
     assert np.sum(np.abs(np.array(ends) - landing) < 0.2) >= 5
+
+
+def test_an_object_that_nothing_leads_near_the_top_is_thrown_over_it():
+    """Most perturbed samples land where the nominal one does."""
+    routes = StateRoutes(THROWN, OPTIONS, beliefs)
+    found = routes.next_plan()
+    assert found.found
+    moves = [MotionPrimitive.from_dict(leg.action) for leg in found.legs if leg.mode == 'dynamic']
+    assert moves[-1].speed > GENTLE.speed
+    assert routes.tree.states[-1].belief.loss < 0.2
 
 
 def test_a_limit_of_moves_is_kept_and_reported():

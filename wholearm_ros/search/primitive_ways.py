@@ -13,7 +13,7 @@ from wholearm_ros.model.modes import DYNAMIC
 from wholearm_ros.model.motion_primitive import MotionPrimitive
 from wholearm_ros.model.plan import Leg
 from wholearm_ros.rollout.parallel import parallel_map
-from wholearm_ros.rollout.primitive_rollout import PrimitiveRecord, Rest, simulate_primitive
+from wholearm_ros.rollout.primitive_rollout import PERIOD, PrimitiveRecord, Rest, simulate_primitive
 from wholearm_ros.rollout.verification import MOST_BEYOND
 from wholearm_ros.search.primitive_candidates import (
     GENTLE,
@@ -33,13 +33,13 @@ from wholearm_ros.search.ways import way_of_primitive
 # Prices, against a radian of the rotation that is left
 PRIMITIVE_PRICE = 0.06
 STYLE_PRICE = 0.3  # of every further style of sweeps
-THROW_PRICE = 0.25
+FLING_PRICE = 0.25  # of looking for one, which may do all that is left
 DOUBT_PRICE = 0.1  # of a fling beside which no other one succeeds
 SIBLING_PRICE = 0.1  # of every other stop along the same sweep that came to nothing
 FLING_ROUNDS = 3  # of flings beside those that came nearest to the top so far,
 FLING_SEEDS = 3  # which are so many,
 FLING_NEAR = 0.2  # [rad] if they came that near
-WRONG=1.0
+REACHED = -np.inf
 
 
 @dataclass
@@ -61,7 +61,9 @@ class PrimitiveWays:
             later = PRIMITIVE_PRICE + number * STYLE_PRICE
             price = self.tree.price_at(k, self.tree.states[k].rest.q) + later
             self.tree.push(k, price, partial(self._try, k, style, later))
-        self.tree.push(k, self.tree.states[k].paid + THROW_PRICE, partial(self._fling, k, THROWS, THROW_PRICE))
+        for kind in (GENTLE, THROWS):
+            price = self.tree.states[k].paid + FLING_PRICE
+            self.tree.push(k, price, partial(self._fling, k, kind))
 
     def _try(self, k: int, style: Style, later: float) -> None:
         """See where primitives from state k lead."""
@@ -71,10 +73,8 @@ class PrimitiveWays:
             sweep = Sweep()
             for stop, q in stops_along(problem, rest, move, record):
                 self._push(k, stop, q, later, sweep)
-        if style is STYLES[0]:
-            self._fling(k, GENTLE, later)
 
-    def _fling(self, k: int, kind: Flings, later: float) -> None:
+    def _fling(self, k: int, kind: Flings) -> None:
         """Flings from state k that carry the object over the top, the surest first: those beside
         which most others do.
         """
@@ -85,7 +85,7 @@ class PrimitiveWays:
         for _ in range(FLING_ROUNDS):
             for fling, record in zip(fresh, self._simulate(rest, fresh)):
                 missing[fling] = self._missing(record)
-                if missing[fling] < 0.0:
+                if missing[fling] == REACHED:
                     over[fling] = record.configurations[-1]
             near = sorted(missing, key=lambda fling: missing[fling])[:FLING_SEEDS]
             fresh = [
@@ -98,19 +98,18 @@ class PrimitiveWays:
         for fling, q in over.items():
             beside = flings_beside(fling)
             doubt = 1.0 - sum(other in over for other in beside) / len(beside)
-            self._push(k, fling, q, later + DOUBT_PRICE * doubt, sweep)
+            self._push(k, fling, q, FLING_PRICE + DOUBT_PRICE * doubt, sweep)
 
     def _missing(self, record: PrimitiveRecord) -> float:
-        """How far from the top of the last cage a fling remained [rad], negative if the object came
-        to rest beyond it; past the top, the less, the later it went wrong.
+        """What a fling lacks: the rotation from its peak to the top of the last cage [rad]; past
+        the top REACHED if the object comes to rest there, else minus the seconds that went well.
         """
         problem = self.tree.problem
         if self._ends_well(record) and problem.rotation_left(record.configurations[-1]) < 0.0:
-            return -1.0
+            return REACHED
         peak = record.configurations[np.argmax(record.configurations[:, ROTATION])]
-        move=record.move
-        left = max(0.0, problem.rotation_left(peak))
-        return left or WRONG/len(record.wanted)
+        left = problem.rotation_left(peak)
+        return left if left > 0.0 else -PERIOD * len(record.wanted)
 
     def _push(
         self, k: int, move: MotionPrimitive, q: np.ndarray, later: float, sweep: Sweep
