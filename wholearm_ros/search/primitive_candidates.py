@@ -28,6 +28,7 @@ JAMMED = 0.1  # [rad] by which a swept finger may lag behind before the sweep co
 HELD = 1e-3  # [m] gap of a finger that is at the object, on the way
 LONG_SETTLE = 0.6  # [s] for a primitive that does not end at rest at once
 FLING_SLEW = 50.0  # [N m/s]
+FASTEST = 15.0  # [rad/s] of a fling
 FLING_STEPS = 1.35, 1.6, 1.35  # factors of turn, torque and speed between flings beside one another
 
 
@@ -80,7 +81,7 @@ def flings(problem: PlanningProblem, q: np.ndarray, kind: Flings) -> list[Motion
 
 
 def flings_beside(fling: MotionPrimitive) -> list[MotionPrimitive]:
-    """Those with a little more and a little less of turn, torque or speed."""
+    """Those with a little more and a little less of turn, torque or speed, none too fast."""
     beside = []
     for sign in (1, -1):
         turn, torque, speed = (step**sign for step in FLING_STEPS)
@@ -89,7 +90,7 @@ def flings_beside(fling: MotionPrimitive) -> list[MotionPrimitive]:
             replace(fling, torque=torque * fling.torque),
             replace(fling, speed=speed * fling.speed),
         ]
-    return beside
+    return [other for other in beside if other.speed <= FASTEST]
 
 
 def stops_along(
