@@ -1,6 +1,6 @@
 """Making a face map: which ways are tried, and each of them planned and certified."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -75,11 +75,9 @@ def map_stages(
     yield _slides(scenario, options, load())
     for distance in sorted({abs(x) for x in options.places}):
         known = load()
-        wanted = [
-            asked
-            for asked in turns_to_try(scenario, replace(options, half_range=distance))
-            if not _leads_on(known, asked)
-        ]
+        places = [x for x in options.places if abs(x) == distance]
+        turns = turns_to_try(scenario, options, places)
+        wanted = [asked for asked in turns if not _leads_on(known, asked)]
         yield Stage('turns that lack', wanted, options)
         yield _slides(scenario, options, load())
 
@@ -103,11 +101,16 @@ def _leads_on(known: FaceMap, asked: Scenario) -> bool:
     return any(turn.begins_at(place) for turn in turns for place in places)
 
 
-def turns_to_try(scenario: Scenario, options: MapOptions) -> list[Scenario]:
-    """From every face, at every place that hand and palm allow, to the next face either way."""
+def turns_to_try(
+    scenario: Scenario, options: MapOptions, places: Sequence[float] | None = None
+) -> list[Scenario]:
+    """From every face, at every place that hand and palm allow, to the next face either way.
+
+    places: x [m], those of the options by default.
+    """
     polygon = scenario.object.polygon
     found = []
-    for x in options.places:
+    for x in options.places if places is None else places:
         for face in polygon.resting_edges:
             for direction in (CCW, CW):
                 goal = next_face(polygon, face, direction)
