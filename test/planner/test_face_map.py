@@ -14,6 +14,7 @@ from wholearm_ros.planner.legs import REACH, LegPlanner, leg_of, whole_task
 from wholearm_ros.planner.map_making import (
     MapOptions,
     make_way,
+    map_stages,
     next_face,
     slides_to_try,
     turns_to_try,
@@ -112,6 +113,47 @@ def test_a_map_is_made_kept_and_answers(tmp_path):
     assert stop_of(replace(felt, goal=GoalOnEdge(2)), answer.plan.scenario) == GoalOnEdge(1, CW)
 
 
+def test_a_turn_that_a_quick_search_did_not_find_is_searched_for_longer_but_once(tmp_path):
+    store, turn = MapStore(SCENARIO, tmp_path), turns_to_try(SCENARIO, OPTIONS)[0]
+    for moves, untried in ((100, True), (7000, False), (None, False)):
+        store.save(turn, Refused(turn.start, turn.goal, 'not_executable: no route', moves))
+        assert store.has(turn, 100)
+        assert bool(store.untried([turn], 7000)) == untried
+    store.save(turn, Refused(turn.start, turn.goal, 'time_spent: no route'))
+    assert not store.has(turn)
+
+
+def test_what_a_quick_search_ended_at_its_limit_says_so():
+    turn = replace(SCENARIO, start=StartOnEdge(5, 0.03), goal=GoalOnEdge(0, CW))
+    tried = make_way(turn, replace(OPTIONS, request=replace(OPTIONS.request, moves=30)))
+    assert isinstance(tried, Refused) and tried.moves == 30
+    arcs = make_way(turn, replace(OPTIONS, request=ARCS_ONLY))
+    assert isinstance(arcs, Refused) and arcs.moves is None
+
+
+def test_a_map_searches_longer_only_for_turns_that_no_slide_leads_to(route):
+    """The turn 0 → 1 is known from x = 0, and a slide leads there from 1 cm, none from −1 cm."""
+    options = replace(OPTIONS, half_range=0.01, quick_moves=100)
+    known = FaceMap(SCENARIO.object.polygon.resting_edges)
+    turn = replace(way(route, 0, 0.0, 1, 0.0, 59), goal=GoalOnEdge(1, CW))
+    slide = way(route, 0, 0.01, 0, 0.001, 59, direction=None)
+    stages = map_stages(SCENARIO, options, lambda: replace(known, ways=(turn, slide)))
+    told = [
+        (
+            stage.name,
+            stage.options.request.moves,
+            [s.start.x for s in stage.wanted if (s.start.edge, s.goal.edge) == (0, 1)],
+        )
+        for stage in stages
+    ]
+    full = OPTIONS.request.moves
+    assert [t for t in told if t[0] != 'slides'] == [
+        ('turns', 100, [0.0, -0.01, 0.01]),
+        ('turns that lack', full, []),
+        ('turns that lack', full, [-0.01]),
+    ]
+
+
 ARCS_ONLY = PlanRequest(moves=0, certificate_samples=20, min_success=0.5)
 
 
@@ -177,6 +219,22 @@ def test_where_no_plan_leads_there_at_once_it_goes_by_way_of_another_face(monkey
     answer = LegPlanner(ARCS_ONLY).plan(replace(SCENARIO, goal=GoalOnEdge(4)), lines.append)
     edges = [turn.scenario.goal.edge for turn in (answer.plan, *answer.plan.then)]
     assert edges == [5, 4] and lines == ['by way of edge 5'] and answer.plan.overall.survived > 10
+
+
+def test_from_out_of_reach_of_every_turn_the_object_is_moved_along_the_palm_first(tmp_path):
+    store = MapStore(SCENARIO, tmp_path)
+    turn = replace(SCENARIO, start=StartOnEdge(0, 0.0), goal=GoalOnEdge(5, CCW))
+    made = make_way(turn, MapOptions(ARCS_ONLY))
+    store.save(turn, made)
+    asked = replace(SCENARIO, start=StartOnEdge(0, 0.025), goal=GoalOnEdge(5))
+    answer = LegPlanner(ARCS_ONLY, store).plan(asked)
+    slide = answer.plan.scenario.goal
+    assert (slide.edge, slide.x, slide.direction) == (0, 0.0, None)
+    assert [turn.id for turn in answer.plan.then] == [made.plan.id]
+    assert answer.plan.overall.survived > 10
+    assert stop_of(asked, answer.plan.scenario) == slide
+    without = LegPlanner(ARCS_ONLY, store, in_a_row=False).plan(asked).plan
+    assert without.overall is None and without.then[0].id == made.plan.id
 
 
 def test_the_map_of_another_object_is_another_one(tmp_path):

@@ -9,10 +9,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from wholearm_ros.cli.options import JsonOption, ScenarioName, SeedOption, output_file
 from wholearm_ros.cli.output import err, finish, print_plain, write_json, write_text
-from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.face_map import FaceMap, Refused, Way
-from wholearm_ros.planner.map_making import MapOptions, slides_to_try, turns_to_try
+from wholearm_ros.planner.map_making import MapOptions, Stage, map_stages
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.html.map_page import map_page
@@ -54,13 +53,15 @@ def map(
     """
     told = load_scenario(scenario)
     options = MapOptions(
-        PlanRequest(time_budget=time_budget, seed=seed), half_range, step, 0.6 * step
+        PlanRequest(time_budget=time_budget, seed=seed),
+        half_range=half_range,
+        step=step,
+        reach=0.6 * step,
     )
     store = MapStore(told)
     workers = jobs or os.cpu_count() or 1
-    _make('turns', turns_to_try(told, options), store, options, workers)
-    found = store.load()
-    _make('slides', slides_to_try(told, options, found.ways), store, options, workers)
+    for stage in map_stages(told, options, store.load):
+        _make(stage, store, workers)
     found = store.load()
     _print(found)
     print_plain(f'kept in {store.directory}')
@@ -72,15 +73,15 @@ def map(
     finish(bool(found.ways))
 
 
-def _make(
-    name: str, wanted: list[Scenario], store: MapStore, options: MapOptions, workers: int
-) -> None:
+def _make(stage: Stage, store: MapStore, workers: int) -> None:
     """Try what was not tried yet, each kept as soon as it is done."""
-    untried = store.untried(wanted)
-    columns = TextColumn(name), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    total, untried = len(stage.wanted), store.untried(stage.wanted, stage.options.request.moves)
+    if not untried:
+        return
+    columns = TextColumn(stage.name), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=err, transient=True) as progress:
-        bar = progress.add_task(name, total=len(wanted), completed=len(wanted) - len(untried))
-        for tried in try_ways(untried, store, options, workers):
+        bar = progress.add_task(stage.name, total=total, completed=total - len(untried))
+        for tried in try_ways(untried, store, stage.options, workers):
             print_plain(_line(tried))
             progress.advance(bar)
 

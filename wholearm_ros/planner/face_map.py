@@ -84,11 +84,14 @@ class Way:
 
 @dataclass(frozen=True, eq=False)
 class Refused:
-    """A way for which there is no plan: from where, to where, and why."""
+    """A way for which there is no plan: from where, to where, and why; moves: simulations at which
+    its search was ended, None when it had nothing left to try.
+    """
 
     start: StartOnEdge
     goal: GoalOnEdge
     reason: str
+    moves: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """For the map's document."""

@@ -40,18 +40,19 @@ class MapStore:
         refused = tuple(t for t in tried if isinstance(t, Refused))
         return FaceMap(self.scenario.object.polygon.resting_edges, ways, refused)
 
-    def untried(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
-        """Those between whose start and goal no way was tried yet, or for too short a time."""
-        return [scenario for scenario in scenarios if not self.has(scenario)]
+    def untried(self, scenarios: Iterable[Scenario], moves: int = 0) -> list[Scenario]:
+        """Those between whose start and goal no way was tried yet, or not as long (see `has`)."""
+        return [scenario for scenario in scenarios if not self.has(scenario, moves)]
 
-    def has(self, scenario: Scenario) -> bool:
-        """Whether the way between a scenario's start and goal was tried, and not for too short a
-        time.
+    def has(self, scenario: Scenario, moves: int = 0) -> bool:
+        """Whether the way between a scenario's start and goal was tried, and neither for too short
+        a time nor, in vain, with fewer simulations than `moves`.
         """
         tried = _tried(self._file(scenario))
-        return tried is not None and not (
-            isinstance(tried, Refused) and tried.reason.startswith(TIME_SPENT)
-        )
+        if not isinstance(tried, Refused):
+            return tried is not None
+        enough = tried.moves is None or tried.moves >= moves
+        return enough and not tried.reason.startswith(TIME_SPENT)
 
     def save(self, scenario: Scenario, tried: Way | Refused) -> None:
         """Keep what was tried; raises WholeArmError when it cannot be written."""
@@ -59,7 +60,7 @@ class MapStore:
         if isinstance(tried, Way):
             document |= {'reach': tried.reach, 'end_x': tried.end.x, 'plan': tried.plan.to_json()}
         else:
-            document |= {'reason': tried.reason}
+            document |= {'reason': tried.reason, 'moves': tried.moves}
         file = self._file(scenario)
         part = file.with_suffix(f'.{os.getpid()}.part')
         try:
@@ -98,7 +99,7 @@ def _read_file(file: Path, time: int) -> Way | Refused | None:
 def _read(document: dict[str, Any]) -> Way | Refused:
     start, goal = StartOnEdge(**document['start']), GoalOnEdge(**document['goal'])
     if 'reason' in document:
-        return Refused(start, goal, document['reason'])
+        return Refused(start, goal, document['reason'], document.get('moves'))
     plan = ContactPlan.from_json(document['plan'])
     end = StartOnEdge(goal.edge, document['end_x'])
     return Way(start, document['reach'], goal, end, plan)

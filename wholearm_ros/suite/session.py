@@ -35,7 +35,7 @@ class Pursuit:
     def __init__(self, scenario: Scenario, first: Leg | None, options: SuiteOptions) -> None:
         self.scenario, self.first = scenario, first
         maps = MapStore(scenario) if options.maps else None
-        self.planner = LegPlanner(options.request, maps)
+        self.planner = LegPlanner(options.request, maps, in_a_row=False)
         if first is not None and first.plan is not None:
             self.planner.remember(first.plan)
 
