@@ -1,9 +1,10 @@
 """Makes benchmarks/suite.json: the shipped scenarios, and polygons of 4 to 8 vertices drawn from a seed, to be turned onto
 their next face.
 
-    python benchmarks/make_suite.py [--tasks 24] [--seed 1] [--hand tapered] [--out benchmarks/suite.json]
+    python benchmarks/make_suite.py [--tasks 24] [--seed 1] [--hand tapered] [--regular] [--out benchmarks/suite.json]
 
-With --hand they are turned in another hand, that of the shipped scenario of this kind, which is the first task.
+With --hand they are turned in another hand, that of the shipped scenario of this kind, which is the first task. With --regular
+all but the shipped ones are regular polygons of 3 to 8 sides, as wide.
 """
 
 import argparse
@@ -50,6 +51,7 @@ CORNERS = (
     6,
     6,
 )  # how many, one task after the other: mostly hexagons
+REGULAR = (3, 4, 5, 6, 7, 8)
 
 
 def random_task(
@@ -58,12 +60,13 @@ def random_task(
     name: str,
     like: dict = SHIPPED[0],
     places: tuple[float, float] = (0.0, 0.03),
+    regular: bool = False,
 ) -> dict:
     """A scenario as a dictionary: a convex polygon 10 to 14 cm across, at rest between the fingers, to be turned onto the next
     edge on which it can rest, either way round, in the hand of another scenario. What cannot be started is drawn again."""
     while True:
         vertices, turn, edge = (
-            _outline(rng, corners),
+            _regular(rng, corners) if regular else _outline(rng, corners),
             int(rng.choice([-1, 1])),
             int(rng.integers(corners)),
         )
@@ -96,6 +99,13 @@ def _outline(rng, corners) -> list:
     return np.round(points - points[0], 3 if corners <= 8 else 4).tolist()
 
 
+def _regular(rng, corners) -> list:
+    """A regular polygon, as far across as the others, to the micrometre."""
+    angles = 2.0 * np.pi * np.arange(corners) / corners
+    points = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.052, 0.07)
+    return np.round(points - points[0], 6).tolist()
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -103,14 +113,17 @@ def main():
     parser.add_argument('--tasks', type=int, default=24)
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--hand', choices=HANDS)
+    parser.add_argument('--regular', action='store_true', help='regular polygons')
     parser.add_argument('--out', type=Path, default=HERE / 'suite.json')
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
     first = shipped(HANDS[options.hand]) if options.hand else SHIPPED
     places = PLACES.get(options.hand, (0.0, 0.03))
-    corners = [CORNERS[k % len(CORNERS)] for k in range(options.tasks - len(first))]
+    cycle = REGULAR if options.regular else CORNERS
+    corners = [cycle[k % len(cycle)] for k in range(options.tasks - len(first))]
     drawn = [
-        random_task(rng, n, f'{k:02d}-{n}gon', first[0], places) for k, n in enumerate(corners)
+        random_task(rng, n, f'{k:02d}-{n}gon', first[0], places, options.regular)
+        for k, n in enumerate(corners)
     ]
     tasks = [*first, *drawn]
     document = {

@@ -10,13 +10,13 @@ from problems import HANDS
 
 from wholearm_ros.estimation.claim import claim
 from wholearm_ros.estimation.feel import Feeler
-from wholearm_ros.estimation.probe_plan import STRONGEST, WEAKEST, nearest_resting, plan_probe
+from wholearm_ros.estimation.probe_plan import CAUTIONS, nearest_resting, plan_probe
 from wholearm_ros.estimation.squeeze import SqueezeModel
-from wholearm_ros.mechanics.contacts import gap_table
+from wholearm_ros.mechanics.contacts import gap_table, start_configuration
 from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT
 from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, LYING, NOTHING, UNKNOWN
 from wholearm_ros.model.polygon import Polygon
-from wholearm_ros.model.scenario import GoalOnEdge, ManipulatedObject
+from wholearm_ros.model.scenario import GoalOnEdge, ManipulatedObject, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 
 CONFIG = Path(__file__).parents[2] / 'config'
@@ -35,6 +35,14 @@ def regular():
 def probe_of(feeler, edge, held=LEFT, ends=(1.2, 1.9)):
     place = [h.edge for h in feeler.hypotheses].index(edge)
     return plan_probe(feeler.model, feeler.hypotheses, place, held, np.array(ends))
+
+
+def is_gentle(probe):
+    return any(
+        probe.acceleration == caution.acceleration
+        and caution.weakest <= probe.torque <= caution.strongest
+        for caution in CAUTIONS
+    )
 
 
 def pairs_of(truth, probe, edge):
@@ -188,6 +196,30 @@ def test_what_may_tip_otherwise_is_felt_gently(hexagon, outline, mass, edge, hel
     assert felt.best.edges == (edge,) and felt.best.probability > 0.9
 
 
+@pytest.mark.parametrize('again', [False, True])
+@pytest.mark.parametrize('x', [-0.0465, -0.03, 0.0, 0.03])
+@pytest.mark.parametrize(
+    ('outline', 'mass', 'edge'),
+    [
+        (None, 0.353, 2),  # the hexagon's own, its centroid 12 mm inside of one end
+        # An octagon with its centroid 3 mm inside of one end.
+        (
+            [[0, 0], [-32, -39], [-15, -76], [19, -105], [68, -99], [105, -52], [68, -11], [43, 4]],
+            0.21, 1,
+        ),
+    ],
+)  # fmt: skip
+def test_an_object_near_tipping_is_felt_wherever_it_lies(hexagon, outline, mass, edge, x, again):
+    polygon = Polygon(1e-3 * np.array(outline)) if outline else hexagon.object.polygon
+    there = replace(hexagon, object=ManipulatedObject(polygon, mass), start=StartOnEdge(edge, x))
+    feeler, ends = Feeler(there), start_configuration(there)[3:]
+    place = [h.edge for h in feeler.hypotheses].index(edge)
+    for held in (LEFT, RIGHT):
+        probe = plan_probe(feeler.model, feeler.hypotheses, place, held, ends, again=again)
+        felt = feeler.feel(probe, pairs_of(there, probe, edge))
+        assert felt.kind == LYING and felt.best.edges == (edge,)
+
+
 def test_where_only_one_place_is_safe_nothing_is_told_and_why_is_said(hexagon):
     feeler = Feeler(hexagon)
     probe = probe_of(feeler, 5)
@@ -209,7 +241,7 @@ def test_a_probe_is_planned_wherever_the_fingers_stand(hexagon, expected, again)
             )
             low, high = limits[probe.held]
             assert ((probe.places > low) & (probe.places < high)).all()
-            assert WEAKEST <= probe.torque <= STRONGEST
+            assert is_gentle(probe)
 
 
 def test_probes_are_gentle_and_inside_of_the_limits(hexagon):
@@ -217,7 +249,7 @@ def test_probes_are_gentle_and_inside_of_the_limits(hexagon):
     for held in (LEFT, RIGHT):
         probe = probe_of(feeler, 5, held)
         low, high = feeler.model.world.limits[held]
-        assert WEAKEST <= probe.torque <= STRONGEST
+        assert is_gentle(probe)
         assert (np.diff(probe.places) * CLOSING[held] > 0.0).all()
         assert low < probe.places.min() and probe.places.max() < high
     assert nearest_resting(feeler.hypotheses, np.array([0.0, 0.05, 0.7])) == -1

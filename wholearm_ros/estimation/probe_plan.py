@@ -18,7 +18,7 @@ from wholearm_ros.estimation.feel import (
 )
 from wholearm_ros.estimation.hypotheses import alike
 from wholearm_ros.estimation.squeeze import Resting, SqueezeModel
-from wholearm_ros.estimation.tipping import DOUBT, NO_DOUBT, tipping_torque
+from wholearm_ros.estimation.tipping import DOUBT, LESS_DOUBT, NO_DOUBT, Doubt, tipping_torque
 from wholearm_ros.model.hand import CLOSING
 from wholearm_ros.model.probe import Probe
 from wholearm_ros.model.scenario import GoalOnEdge
@@ -33,11 +33,8 @@ WIDE = 0.08  # [rad] between the first and the last place that is enough
 SEPARATED = 60.0  # χ² between what is expected and the next best that is enough
 ENOUGH = (True, SEPARATED)
 GRID = 0.05  # [rad] between the angles that are looked at
-STRONGEST, WEAKEST = 0.08, 0.03  # [N m] of the closing finger
-SAFETY = 1.25  # torque that would tip the object over the torque that is used
-# [N m] that the closing finger's inertia and damping add to its torque for each rad/s² of the held
-# one's acceleration, and each radian that it must turn while the held one turns by one.
-SWING = 0.0133
+SAFETY = 1.25  # torque that would tip the object over the torque that is used, at least
+MOTOR = 0.0075  # [N m] by which it exceeds that at least: motors misjudge the finger's weight
 OPENED = 0.12  # [rad] that both fingers open before they close
 REACH = 0.35  # [rad] from its closed limit at which the closing finger must have met the object
 STOP_MARGIN = 0.01  # [rad] inside of the closed limit at which a finger is stopped
@@ -47,14 +44,36 @@ LYING_ANGLE = 0.15
 
 class Caution(NamedTuple):
     """acceleration [rad/s²] of the held finger at most: what it pushes must not run ahead of it;
-    others: whether what lies otherwise than expected must not tip, either.
+    swing [N m]: what the closing finger's inertia and damping then add to its torque for each
+    radian that it must turn while the held one turns by one; weakest, strongest [N m]: torque of
+    the closing finger; doubt: with which what is expected must not tip; others: whether what lies
+    otherwise must not, either.
     """
 
     acceleration: float
+    swing: float
+    weakest: float
+    strongest: float
+    doubt: Doubt
     others: bool
 
+    @property
+    def enough(self) -> float:
+        """[N m] Tipping torque from which a place is safe."""
+        return max(SAFETY * self.weakest, self.weakest + MOTOR)
 
-CAUTIONS = Caution(3.0, True), Caution(1.0, True), Caution(1.0, False)
+    def torque(self, tipping: float) -> float:
+        """[N m] of the closing finger where `tipping` [N m] would tip the object."""
+        return float(np.clip(tipping / SAFETY, self.weakest, self.strongest))
+
+
+CAUTIONS = (
+    Caution(3.0, 0.04, 0.03, 0.08, DOUBT, True),
+    Caution(1.0, 0.0133, 0.03, 0.08, DOUBT, True),
+    Caution(1.0, 0.0133, 0.03, 0.08, DOUBT, False),
+    Caution(0.3, 0.0065, 0.02, 0.02, DOUBT, False),
+    Caution(0.1, 0.004, 0.02, 0.02, LESS_DOUBT, False),
+)
 
 
 def plan_probe(
@@ -75,9 +94,10 @@ def plan_probe(
 
     The held finger leads the object away and back to where it lay. Where that might tip what is
     expected, both fingers stay on it and the held one leads it on. Where that might, too, the held
-    finger moves more gently, then without regard to what is not expected; at last the only place is
-    where it lies. Friction may keep the object from being led away, but not on: the second time
-    that is what is done wherever it can be.
+    finger moves more gently, then without regard to what is not expected, then with the least
+    torque, and with that for smaller errors only; at last the only place is where it lies. Friction
+    may keep the object from being led away, but not on: the second time that is what is done
+    wherever it can be.
     """
     world = model.world
     margins = np.array([STOP_MARGIN, -STOP_MARGIN])
@@ -86,9 +106,9 @@ def plan_probe(
     sides = (held, 1 - held) if shifts else (held,)
     away = [Row(model, hypotheses, expected, side, ends[side], AWAY) for side in sides]
     on = [Row(model, hypotheses, expected, side, ends[side], ON) for side in sides if shifts]
-    best, row, gentle = Squeezing(ends[[held]], WEAKEST, 0.0), None, CAUTIONS[0]
+    best, row, gentle = Squeezing(ends[[held]], CAUTIONS[0].weakest, 0.0), None, CAUTIONS[0]
     for rows in (on, away) if again else (away + on,):
-        if best.is_wide:
+        if best.is_wide or best.separation >= SEPARATED:
             break
         for caution, other in product(CAUTIONS, rows):
             found = other.squeezing(caution)
@@ -148,11 +168,11 @@ class Row:
         """At places where nothing tips: over the first of the stretches that separates enough, else
         the one that separates most. Only at `end` without two such places.
         """
-        best = Squeezing(np.array([self.end]), WEAKEST, 0.0)
+        best = Squeezing(np.array([self.end]), caution.weakest, 0.0)
         if len(self.thetas) < 2:
             return best
         tipping = self._tipping_with(caution)
-        safe = np.flatnonzero(self._safe(tipping))
+        safe = np.flatnonzero(self._safe(tipping, caution))
         for stretch in self.stretches:
             used = safe[np.abs(self.offsets[safe]) < abs(stretch) + GRID / 2]
             if len(used) < 2:
@@ -163,8 +183,8 @@ class Row:
             places = np.linspace(first, last, PLACES)
             separation = _separation(self.model, self.hypotheses, self.expected, self.held, places)
             if separation > best.separation:
-                torque = float(np.nanmin(tipping[:, used])) / SAFETY
-                best = Squeezing(places, float(np.clip(torque, WEAKEST, STRONGEST)), separation)
+                torque = caution.torque(float(np.nanmin(tipping[:, used])))
+                best = Squeezing(places, torque, separation)
             if best.separation >= SEPARATED:
                 break
         return best
@@ -200,28 +220,37 @@ class Row:
 
     @cached_property
     def tipping(self) -> np.ndarray:
-        """(h, k) [N m] of the closing finger, NaN where an object is not met."""
-        model, found = self.model, np.full(self.angles.shape, np.nan)
-        for h, k in np.argwhere(np.isfinite(self.angles)):
-            resting, theta = self.hypotheses[h], self.thetas[k]
+        """(h, k) [N m] of the closing finger, NaN where an object is not met; without doubt."""
+        told = [self._tipping(h, NO_DOUBT) for h in range(len(self.hypotheses))]
+        return np.array(told)
+
+    @cached_property
+    def doubtful(self) -> dict[Doubt, np.ndarray]:
+        """(k,) [N m] likewise of what is expected, with each doubt that a caution has."""
+        return {d: self._tipping(self.expected, d) for d in {c.doubt for c in CAUTIONS}}
+
+    def _tipping(self, h: int, doubt: Doubt) -> np.ndarray:
+        """(k,) [N m] of the closing finger, of one hypothesis."""
+        model, resting, found = self.model, self.hypotheses[h], np.full(len(self.thetas), np.nan)
+        for k in np.flatnonzero(np.isfinite(self.angles[h])):
+            theta = self.thetas[k]
             q = np.array([*resting.pose_at(model.slide(resting, self.held, theta)), 0.0, 0.0])
             q[3 + self.held], q[4 - self.held] = theta, self.angles[h, k]
-            doubt = DOUBT if h == self.expected else NO_DOUBT
-            found[h, k] = tipping_torque(model.world, resting, self.held, q, doubt, self.opens)
+            found[k] = tipping_torque(model.world, resting, self.held, q, doubt, self.opens)
         return found
 
     def _tipping_with(self, caution: Caution) -> np.ndarray:
-        """`tipping` of what counts, NaN elsewhere, less what the motion adds."""
+        """(h, k) [N m] of what counts, NaN elsewhere, less what the motion adds."""
         polygon, tipping = self.model.scenario.object.polygon, self.tipping.copy()
         for k, one in enumerate(self.hypotheses):
-            if k != self.expected and not (caution.others and polygon.can_rest_on(one.edge)):
+            if not (caution.others and polygon.can_rest_on(one.edge)):
                 tipping[k] = np.nan
         if self.expected >= 0:
             turning = np.abs(np.gradient(self.angles[self.expected], GRID))
-            tipping[self.expected] -= SWING * caution.acceleration * turning
+            tipping[self.expected] = self.doubtful[caution.doubt] - caution.swing * turning
         return tipping
 
-    def _safe(self, tipping: np.ndarray) -> np.ndarray:
+    def _safe(self, tipping: np.ndarray, caution: Caution) -> np.ndarray:
         """(k,) bool: the first stretch of places in which the expected object, and others that are
         met, do not tip; on the way there the expected one does not, either, and fingers that have
         opened meet it.
@@ -230,10 +259,10 @@ class Row:
         others, firm = tipping, np.ones(tipping.shape[1], bool)
         good = ~np.isnan(tipping).all(axis=0)
         if self.expected >= 0:
-            firm = good = tipping[self.expected] > SAFETY * WEAKEST
+            firm = good = tipping[self.expected] > caution.enough
             firm = firm & ~missed[self.expected] if self.opens else firm
             others = np.delete(tipping, self.expected, axis=0)
-        good = good & ~missed.any(axis=0) & ~(others < WEAKEST).any(axis=0)
+        good = good & ~missed.any(axis=0) & ~(others < caution.weakest).any(axis=0)
         keep = np.zeros(tipping.shape[1], bool)
         for k in range(len(keep)):
             if not firm[k] or (keep.any() and not good[k]):

@@ -15,7 +15,7 @@ from wholearm_ros.mechanics.world import World
 from wholearm_ros.model.configuration import POSE, SIZE
 from wholearm_ros.model.hand import LEFT, RIGHT
 
-TOUCHING = 1e-6  # [m]
+NEARLY = 5e-4  # [m] a feature as near as this counts as touching: tilted by so little, it does
 ALONG, HELD, CLOSING = 0, 2, 3  # row of a wrench; columns of the fingers' contacts
 
 
@@ -30,6 +30,7 @@ class Doubt(NamedTuple):
 
 NO_DOUBT = Doubt(0.0, 0.0)
 DOUBT = Doubt(0.001, 0.10)  # as at perturbation level 2
+LESS_DOUBT = Doubt(0.0005, 0.05)  # as at perturbation level 1
 
 
 def tipping_torque(
@@ -44,6 +45,9 @@ def tipping_torque(
     leaves the palm with a vertex while it slides; infinite where none does, zero where the object
     does not even lie.
 
+    Where a finger touches, or nearly touches, with two features, as in a state of five contacts,
+    the better one counts: an object that tips on the other one closes both and stays.
+
     doubt: how far object and hand may be from what is believed; alone: whether the closing finger
     also pushes the object by itself, until the held one stops it.
     """
@@ -53,11 +57,11 @@ def tipping_torque(
         for k in (resting.edge, (resting.edge + 1) % n)
     ]
     gaps, codes = gap_table(world, q)
-    near = [int(code) for code in codes[np.abs(gaps) < TOUCHING]]
+    near = [int(code) for code in codes[np.abs(gaps) < NEARLY]]
     touching = [[c for c in near if geometry.pair_body(c) == 1 + side] for side in (LEFT, RIGHT)]
     pairs = product(touching[held], touching[1 - held])
     pressed = [_pressed(world, resting, (*palm, *pair), q, doubt.outline) for pair in pairs]
-    return min(
+    return max(
         (
             abs(float(one.lever[1 - held])) * one.tipping_force(doubt.friction, alone)
             for one in pressed
