@@ -1,7 +1,6 @@
 """Plans routes of contact states: of the scenario as configured, or between two object poses."""
 
 import json
-import sys
 import threading
 import traceback
 from collections.abc import Callable
@@ -329,7 +328,7 @@ def _certificate_values(plan: ContactPlan) -> dict[str, Any]:
 def main() -> None:
     """The executable."""
     # EventsExecutor takes no coroutine as a service callback; this node has no fast topic.
-    sys.exit(run_node(ContactStatePlanner, make_executor=SingleThreadedExecutor))
+    run_node(ContactStatePlanner, make_executor=SingleThreadedExecutor)
 
 
 if __name__ == '__main__':

@@ -270,7 +270,7 @@ class HandHardware(WholeArmNode):
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(HandHardware))
+    run_node(HandHardware)
 
 
 if __name__ == '__main__':

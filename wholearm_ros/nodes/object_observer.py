@@ -1,7 +1,5 @@
 """Estimates the object's pose and contact state from the finger angles; receives no true pose."""
 
-import sys
-
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
@@ -118,7 +116,7 @@ class ObjectObserver(WholeArmNode):
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(ObjectObserver))
+    run_node(ObjectObserver)
 
 
 if __name__ == '__main__':

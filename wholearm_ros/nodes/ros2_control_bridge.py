@@ -2,7 +2,6 @@
 out. A managed node: the motors are off until it is activated.
 """
 
-import sys
 import time
 
 import numpy as np
@@ -268,7 +267,7 @@ def joint_map_of(names: list[str], signs: list[float], offsets: list[float]) -> 
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(Ros2ControlBridge))
+    run_node(Ros2ControlBridge)
 
 
 if __name__ == '__main__':

@@ -3,7 +3,6 @@ ended.
 """
 
 import json
-import sys
 import time
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -280,7 +279,7 @@ def told_values(claimed: Claim) -> dict[str, Any]:
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(TrajectoryGenerator))
+    run_node(TrajectoryGenerator)
 
 
 if __name__ == '__main__':
