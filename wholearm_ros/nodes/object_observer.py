@@ -42,6 +42,7 @@ class ObjectObserver(WholeArmNode):
         self.progress: dict[str, str] = {}
         self.stamp, self.estimates, self.said = -1, 0, 'no joint states yet'
 
+        self.palm = self.frame(channels.PALM_FRAME)
         self.estimate_topic = self.publisher(channels.OBJECT_ESTIMATE)
         self.state_topic = self.publisher(channels.CONTACT_STATE)
         self.markers = self.publisher(channels.MARKERS)
@@ -91,10 +92,11 @@ class ObjectObserver(WholeArmNode):
         self.state_topic.publish(status_message(name, level, self.said, values))
         if found.best is not None:
             deviations = self.observer.deviations(found.best)
-            self.estimate_topic.publish(estimate_message(stamp, found.best.pose, deviations))
+            told = estimate_message(stamp, found.best.pose, deviations, self.palm)
+            self.estimate_topic.publish(told)
         if self.estimates % DRAWN_EVERY == 0:
             pose = None if found.best is None else found.best.pose
-            self.markers.publish(estimate_markers(self.scenario, pose))
+            self.markers.publish(estimate_markers(self.scenario, pose, self.palm))
 
     def explain(self, stamp: int, angles: np.ndarray) -> Estimate:
         """By the plan while it is followed, by the edges of rest at the end and while probing."""

@@ -89,7 +89,7 @@ class Ros2ControlBridge(LifecycleNodeMixin, WholeArmNode):
 
         self.joint_states = self.publisher(channels.JOINT_STATES)
         self.description = self.publisher(channels.ROBOT_DESCRIPTION)
-        self.description.publish(String(data=urdf(scenario)))
+        self.description.publish(String(data=urdf(scenario, namespace=self.get_namespace())))
         self.controller = self.publisher(
             channels.Topic(p.controller, Float64MultiArray, channels.NEWEST)
         )

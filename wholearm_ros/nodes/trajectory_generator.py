@@ -117,9 +117,10 @@ class TrajectoryGenerator(WholeArmNode):
         self.trajectory = trajectory
         self.plan_id = to_goal_id(plan.id)
         now = self.get_clock().now().to_msg()
-        self.joint_trajectory.publish(to_joint_trajectory(trajectory, now))
+        palm = self.frame(channels.PALM_FRAME)
+        self.joint_trajectory.publish(to_joint_trajectory(trajectory, now, palm))
         self.publish_trajectory(trajectory)
-        self.markers.publish(plan_markers(plan.scenario, trajectory))
+        self.markers.publish(plan_markers(plan.scenario, trajectory, palm))
         self.get_logger().info(f'plan {plan.id[:8]}: trajectory of {trajectory.duration:.2f} s')
 
     def publish_trajectory(self, trajectory: ManipulationTrajectory) -> None:

@@ -20,6 +20,14 @@ PALM_FRAME, OBJECT_FRAME = 'palm', 'object'
 FINGER_FRAMES = ('left_finger', 'right_finger')
 
 
+def frame_in(namespace: str, frame: str) -> str:
+    """The name of a hand's frame on /tf, which all hands share: 'palm' in the default namespace,
+    'left/palm' in /left.
+    """
+    space = namespace.strip('/')
+    return frame if space in ('', NAMESPACE) else f'{space}/{frame}'
+
+
 def _qos(depth: int, reliable: bool = True, latched: bool = False) -> QoSProfile:
     return QoSProfile(
         depth=depth,

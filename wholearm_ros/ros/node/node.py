@@ -73,6 +73,10 @@ class WholeArmNode(Node):
         qos = channels.NO_RESENDING if raw else topic.qos
         return self.create_subscription(topic.type, topic.name, guarded, qos, raw=raw)
 
+    def frame(self, name: str) -> str:
+        """The name on /tf of one of the frames of this node's hand."""
+        return channels.frame_in(self.get_namespace(), name)
+
     def service(self, service: channels.Service, callback: Callable[[Any, Any], Any]) -> None:
         """`callback(request, response)` answers `service`."""
         self.create_service(service.type, service.name, callback)
