@@ -46,13 +46,7 @@ class ObjectObserver(WholeArmNode):
         self.estimate_topic = self.publisher(channels.OBJECT_ESTIMATE)
         self.state_topic = self.publisher(channels.CONTACT_STATE)
         self.markers = self.publisher(channels.MARKERS)
-        self.create_subscription(
-            channels.JOINT_STATES.type,
-            channels.JOINT_STATES.name,
-            self.on_joints,
-            channels.NEWEST_STATE,
-            raw=True,
-        )
+        self.listen(channels.JOINT_STATES, self.on_joints, channels.NEWEST_STATE, raw=True)
         self.subscription(channels.MANIPULATION_TRAJECTORY, self.on_trajectory)
         self.subscription(channels.PROGRESS, self.on_progress)
         self.every(1.0 / self.parameters.estimate_rate, self.guarded_estimate)

@@ -94,7 +94,8 @@ class Ros2ControlBridge(LifecycleNodeMixin, WholeArmNode):
             channels.Topic(p.controller, Float64MultiArray, channels.NEWEST)
         )
         self.subscription(
-            channels.Topic(p.broadcaster, JointState, channels.RELIABLE), self.on_states
+            channels.Topic(p.broadcaster, JointState, channels.RELIABLE, steady=True),
+            self.on_states,
         )
         self.subscription(channels.JOINT_COMMANDS, self.on_command)
         self.service(channels.RESET, self.on_reset)

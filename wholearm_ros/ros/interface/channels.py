@@ -47,11 +47,16 @@ NEWEST_STATE = _qos(1, reliable=False)  # joint states for those that look at a 
 
 @dataclass(frozen=True, eq=False)
 class Topic:
-    """A topic; what it carries and from whom to whom is in docs/ros.md."""
+    """A topic; what it carries and from whom to whom is in docs/ros.md.
+
+    steady: whoever publishes it never pauses, so that silence is a fault. Setpoints and commands
+    are not: they come with a run, and the drives' watchdog tells when they end.
+    """
 
     name: str
     type: type
     qos: QoSProfile
+    steady: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +94,7 @@ VELOCITY_SETPOINT = Topic('velocity_setpoint', JointState, NEWEST)
 TORQUE_SETPOINT = Topic('torque_setpoint', JointState, NEWEST)
 
 JOINT_COMMANDS = Topic('joint_commands', JointState, _qos(2))  # two publishers, one joint a message
-JOINT_STATES = Topic('joint_states', JointState, RELIABLE)
+JOINT_STATES = Topic('joint_states', JointState, RELIABLE, steady=True)
 OBJECT_POSE = Topic('object_pose', PoseStamped, BEST_EFFORT)
 OBJECT_ESTIMATE = Topic('object_estimate', PoseWithCovarianceStamped, RELIABLE)
 CONTACT_STATE = Topic('object_observer/contact_state', DiagnosticStatus, RELIABLE)
