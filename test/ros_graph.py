@@ -18,16 +18,17 @@ PACED = ('hand_hardware', 'mode_switcher')
 class Graph:
     """Node processes, a client, and what the client heard on the topics it was told to listen to."""
 
-    def __init__(self, log_directory: Path):
-        self.processes = Processes(log_directory)
-        self.client = Client(name='test_client')
+    def __init__(self, log_directory: Path, namespace: str = channels.NAMESPACE):
+        self.processes, self.namespace = Processes(log_directory), namespace
+        self.client = Client(name='test_client', namespace=namespace)
         self.node, self.heard = self.client.node, {}
 
     def start(self, nodes, pacing='lockstep', **parameters):
         """`parameters`: by node name, dictionaries."""
         for name in nodes:
             paced = {'pacing': pacing} if name in PACED else {}
-            self.processes.start(name, {**paced, **parameters.get(name, {})})
+            told = {**paced, **parameters.get(name, {})}
+            self.processes.start(name, told, f'/{self.namespace}')
         self.client.watch = self.processes.check
 
     def listen(self, topic: channels.Topic) -> list:

@@ -70,3 +70,20 @@ def test_a_bag_that_exists_or_cannot_be_made_is_refused(tmp_path):
     (tmp_path / 'file').write_text('')
     with pytest.raises(BagError, match='cannot be written'):
         BackgroundWriter(tmp_path / 'file' / 'bag', 'mcap')
+
+
+def test_every_channel_bears_the_hash_of_its_type_as_rosbag2_writes_it(tmp_path):
+    """In the data and in the index behind them, so that a bag without metadata.yaml tells it, too."""
+    writer, connection = opened(tmp_path / 'bag', 'mcap')
+    writer.put(connection, 1, DATA)
+    writer.close()
+    key, value = b'topic_type_hash', jazzy_typestore().hash_rihs01('std_msgs/msg/Float64').encode()
+    told = b''.join(len(text).to_bytes(4, 'little') + text for text in (key, value))
+    (file,) = (tmp_path / 'bag').glob('*.mcap')
+    assert value.startswith(b'RIHS01_') and len(value) == 71
+    assert file.read_bytes().count(told) == 2
+    (tmp_path / 'bag' / 'metadata.yaml').unlink()
+    with AnyReader([file]) as bag:
+        (one,) = bag.connections
+        assert one.ext.offered_qos_profiles == connection.ext.offered_qos_profiles
+        assert [data for _, _, data in bag.messages()] == [DATA]

@@ -8,8 +8,10 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from wholearm_ros.bag.reader import Bag
+from wholearm_ros.bag.types import jazzy_typestore
 from wholearm_ros.errors import BagError
 from wholearm_ros.ros.interface import channels
+from wholearm_ros.ros.interface.bag_types import type_name
 from wholearm_ros.ros.interface.messages import NANOSECONDS, to_nanoseconds
 
 pytestmark = pytest.mark.timeout(280)
@@ -73,6 +75,14 @@ def test_it_ends_by_itself_and_says_how_much_it_played(graph):
     process = graph.processes._running['bag_player']
     assert process.wait(timeout=60) == 0
     assert 'played 1 messages' in graph.processes.log_of('bag_player').read_text()
+
+
+def test_a_bag_names_the_types_by_the_hashes_of_the_middleware(graph):
+    node, store = graph.node, jazzy_typestore()
+    for topic in channels.RECORDED:
+        node.create_publisher(topic.type, f'hashed/{topic.name.strip("/")}', topic.qos)
+        (told,) = node.get_publishers_info_by_topic(f'hashed/{topic.name.strip("/")}')
+        assert str(told.topic_type_hash) == store.hash_rihs01(type_name(topic.type))
 
 
 def test_a_bag_that_was_cut_off_opens_up_to_the_cut(tmp_path):

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from ros_graph import WAIT
+from ros_graph import WAIT, WHOLE
 
 from wholearm_ros.launcher.map_maker import POLITE
 from wholearm_ros.model.scenario import CCW, GoalOnEdge, StartOnEdge
@@ -30,7 +30,19 @@ NODES = (
     'reorientation',
     'object_observer',
     'bag_recorder',
+    'bag_player',
+    'ros2_control_bridge',
 )
+BAG = Path(__file__).parents[2] / 'bags' / 'asymmetric_hexagon'
+PLAYING = {
+    'waits for subscribers': {'wait_for_subscribers': 600.0},
+    'waits for the next message': {'rate': 0.001},
+    'stays after the end': {'rate': 1000.0, 'topics': ['contact_plan'], 'stay': True},
+}
+QUICK = {
+    'hand_hardware': {'motor_rate': 250.0, 'backend': 'planar'},
+    'torque_controller': {'motor_rate': 250.0},
+}
 
 
 def started(node, *parameters, **environment):
@@ -60,7 +72,8 @@ def ended(process, number):
 @pytest.mark.parametrize('node', NODES)
 def test_a_node_alone_ends_by_a_signal(graph, node, number, tmp_path):
     """hand_hardware in real time has a thread that goes on stepping the hand."""
-    parameters = [f'path:={tmp_path / "bag"}'] if node == 'bag_recorder' else []
+    path = {'bag_recorder': tmp_path / 'bag', 'bag_player': BAG}.get(node)
+    parameters = [f'path:={path}'] if path else []
     said = graph.listen(channels.DIAGNOSTICS)
     process = started(node, *parameters)
     graph.wait(lambda: any(node in m.status[0].name for m in said), node)
@@ -87,6 +100,39 @@ def test_a_planner_that_plans_ends_by_a_signal(graph, number):
     client.call_async(service.type.Request())
     graph.wait(lambda: any(m.message.startswith('planning') for m in said), 'planning')
     ended(process, number)
+
+
+@pytest.mark.parametrize('doing', PLAYING)
+def test_a_player_ends_by_a_signal(graph, doing):
+    said = graph.listen(channels.DIAGNOSTICS)
+    told = [f'{name}:={json.dumps(value)}' for name, value in PLAYING[doing].items()]
+    process = started('bag_player', f'path:={BAG}', *told)
+    graph.wait(lambda: said, 'bag_player')
+    ended(process, signal.SIGTERM)
+
+
+@pytest.mark.parametrize('mode', ['quasi_static', 'probing'])
+def test_every_node_of_a_run_ends_by_a_signal(graph, mode, tmp_path):
+    """All at once, as a machine does that is shut down: none can count on another."""
+    nodes = (*WHOLE, 'bag_recorder')
+    graph.start(nodes, **QUICK, bag_recorder={'path': str(tmp_path / 'bag')})
+    graph.client.wait_for_graph(WAIT, recorded=True)
+    graph.client.wait_for_supervisor(WAIT, recorded=True)
+    graph.client.reorient()
+    graph.wait(lambda: graph.client.latest.mode == mode, mode)
+    graph.client.watch = lambda: None
+    processes = {node: graph.processes._running[node] for node in nodes}
+
+    began = time.monotonic()
+    for process in processes.values():
+        process.send_signal(signal.SIGTERM)
+    left = {}
+    for node, process in processes.items():
+        assert process.wait(timeout=60) == 0, node
+        left[node] = time.monotonic() - began  # at most: others were waited for before
+    assert max(left.values()) < WITHIN, left
+    said = {node: graph.processes.log_of(node).read_text() for node in nodes}
+    assert not [node for node, told in said.items() if 'Traceback' in told], said
 
 
 def test_a_planner_that_makes_a_map_publishes_it_and_ends_with_what_it_started(graph, tmp_path):

@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 from wholearm_ros.bag.reader import Bag
 from wholearm_ros.control.command_watchdog import HOLD
 from wholearm_ros.launcher.launcher import LOOP_PRIORITY
-from wholearm_ros.launcher.processes import NodeDied, Processes
+from wholearm_ros.launcher.processes import KILLED, NodeDied, Processes
 from wholearm_ros.model.hand import JOINT_NAMES
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.joint_state_serialization import reading_of, write_joints
@@ -325,7 +325,7 @@ def test_a_refused_parameter_says_why(graph):
         assert not refused.successful and refused.reason, name
 
 
-@pytest.mark.parametrize('moment', ['starting', 'planning', 'executing'])
+@pytest.mark.parametrize('moment', ['starting', 'planning', 'executing', 'probing'])
 def test_ctrl_c_leaves_no_process_and_no_shared_memory(domain, tmp_path, moment):
     before = set(Path('/dev/shm').iterdir())
     run = subprocess.Popen(
@@ -334,12 +334,13 @@ def test_ctrl_c_leaves_no_process_and_no_shared_memory(domain, tmp_path, moment)
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
     )
-    sign = {'starting': 'starting', 'planning': 'planning', 'executing': 'dwell'}[moment]
+    sign = {'executing': 'dwell'}.get(moment, moment)
     lines = iter(run.stdout.readline, '')
     assert any(sign in line for line in lines)
     children = children_of(run.pid)
     run.send_signal(signal.SIGINT)
     assert run.wait(timeout=WAIT) == 130
+    assert not [line for line in lines if KILLED in line], 'every node ended by itself'
     assert gone(children)
     ours = {p for p in set(Path('/dev/shm').iterdir()) - before if 'fast' in p.name}
     assert not {p for p in ours if not _used(p)}

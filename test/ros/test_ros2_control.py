@@ -145,6 +145,21 @@ def test_joints_are_mapped_and_the_motors_are_off_until_activated(robot, rig):
     assert len(commands) == heard, 'and silence'
 
 
+def test_an_active_bridge_ends_by_a_signal_and_leaves_zero_torque(robot, rig):
+    graph, of_robot, _ = robot
+    bridged(graph, rig)
+    commands = graph.listen(COMMANDS)
+    assert change(graph, Transition.TRANSITION_ACTIVATE)
+    graph.wait(lambda: commands and any(commands[-1].data), 'torques that hold the fingers')
+    graph.client.watch = lambda: None
+    process, began = graph.processes._running['ros2_control_bridge'], time.monotonic()
+    process.terminate()
+    assert process.wait(timeout=60) == 0
+    assert time.monotonic() - began < 3.0
+    graph.wait(lambda: not any(commands[-1].data), 'zero torque')
+    assert 'Traceback' not in graph.processes.log_of('ros2_control_bridge').read_text()
+
+
 def test_watchdog_stop_reset_and_states_that_end(robot, rig):
     graph, _, theirs = robot
     health, ours = bridged(graph, rig, '--no-effort')

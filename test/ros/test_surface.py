@@ -1,19 +1,24 @@
 """What people expect of any node: namespaces, remapping, simulated time, parameter files."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.srv import GetParameters
+from ros_graph import ALL, WAIT, Graph
 
-from wholearm_ros.launcher.client import Client, GraphError
+from wholearm_ros.launcher.client import GraphError
+from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
 from wholearm_ros.ros.interface import channels
 from wholearm_ros.ros.interface.messages import NANOSECONDS, to_nanoseconds
 from wholearm_ros.ros.node.node import DOUBLE
 
 pytestmark = pytest.mark.timeout(280)
+FRAMES = (channels.PALM_FRAME, channels.OBJECT_FRAME, *channels.FINGER_FRAMES)
 CONTROL = Path(__file__).parents[2] / 'config' / 'control.yaml'
 
 
@@ -54,29 +59,70 @@ def test_another_namespace_and_a_remapped_topic(graph, node_process):
     assert graph.node.count_publishers('/wholearm/joint_commands') == 0
 
 
-def test_two_graphs_in_two_namespaces_do_not_hear_each_other(graph):
-    graph.start(('hand_hardware',))
-    with graph.processes.__class__(graph.processes.log_of('x').parent / '..') as others:
-        others.start(
-            'hand_hardware',
-            {'pacing': 'lockstep', 'scenario': 'regular_hexagon'},
-            namespace='/other',
+@pytest.fixture
+def two_hands(domain, tmp_path):
+    """Two whole graphs in lockstep, each in a namespace of its own and with an object of its own."""
+    hands, scenario = {}, scenario_to_dict(load_scenario('asymmetric_hexagon'))
+    for side, mass in (('left', 0.353), ('right', 0.34)):
+        (tmp_path / side).mkdir()
+        scenario['object']['mass'] = mass
+        hands[side], told = Graph(tmp_path / side, side), {'scenario': json.dumps(scenario)}
+        hands[side].start(
+            (*ALL, 'object_observer'),
+            **{node: told for node in ('contact_state_planner', 'object_observer')},
+            hand_hardware={**told, 'motor_rate': 250.0, 'backend': 'planar'},
+            torque_controller={**told, 'motor_rate': 250.0},
+            velocity_controller=told,
+            trajectory_generator=told,
         )
-        second = Client(name='other_client', namespace='/other')
-        try:
-            described = graph.listen(channels.ROBOT_DESCRIPTION)
-            heard = []
-            second.node.create_subscription(
-                channels.ROBOT_DESCRIPTION.type,
-                channels.ROBOT_DESCRIPTION.name,
-                heard.append,
-                channels.LATCHED,
-            )
-            graph.wait(lambda: described, 'the first description')
-            second.wait(lambda: heard, 60.0, 'the second description')
-            assert len(described) == len(heard) == 1
-        finally:
-            second.close()
+    yield hands
+    for hand in hands.values():
+        hand.close()
+
+
+def test_two_hands_in_two_namespaces_of_one_domain(two_hands):
+    """Both turn their objects at once; on /tf, which they share, no frame of one is the other's."""
+    telling = (channels.MARKERS, channels.TRANSFORMS, channels.OBJECT_POSE)
+    telling += (channels.OBJECT_ESTIMATE, channels.JOINT_TRAJECTORY, channels.ROBOT_DESCRIPTION)
+    heard = {
+        side: {topic: hand.listen(topic) for topic in telling} for side, hand in two_hands.items()
+    }
+    for hand in two_hands.values():
+        hand.client.wait_for_graph(WAIT)
+        hand.plan()
+    assert len({hand.client.latest.plan.id for hand in two_hands.values()}) == 2
+    for hand in two_hands.values():
+        hand.client.send_goal(hand.client.latest.plan.id)
+    for side, hand in two_hands.items():
+        hand.wait(lambda: hand.client.latest.result, 'result')
+        assert hand.client.latest.result['outcome'] == 'succeeded', side
+        assert hand.client.latest.poses, 'poses in the frame of its palm'
+
+        palm, *others = (f'{side}/{name}' for name in FRAMES)
+        told = heard[side]
+        hand.wait(lambda: all(told.values()), 'every topic')
+        frames = {m.child_frame_id for m in told[channels.TRANSFORMS]}
+        assert frames == set(others)
+        stamped = [
+            *(marker for array in told[channels.MARKERS] for marker in array.markers),
+            *(m for topic in telling[1:5] for m in told[topic]),
+        ]
+        assert {m.header.frame_id for m in stamped} == {palm}
+        links = ElementTree.fromstring(told[channels.ROBOT_DESCRIPTION][-1].data).iter('link')
+        assert {link.get('name') for link in links} == {palm, *others[1:]}
+
+        for frame, allowed in ((palm, True), ('palm', False)):
+            request = channels.PLAN.type.Request()
+            request.start.header.frame_id = request.goal.header.frame_id = frame
+            answer = hand.client.call(channels.PLAN, WAIT, request)
+            assert answer.plan.header.frame_id == palm
+            reason = hand.client.latest.planner['message']
+            assert ('frame_id' not in reason) == allowed, reason
+
+
+def test_frames_of_the_default_namespace_have_their_plain_names():
+    assert channels.frame_in('/wholearm', 'palm') == channels.frame_in('/', 'palm') == 'palm'
+    assert channels.frame_in('/lab/left', 'palm') == 'lab/left/palm'
 
 
 def test_a_second_node_of_one_name_is_noticed_by_both_and_by_the_launcher(graph, node_process):

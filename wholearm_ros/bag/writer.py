@@ -6,13 +6,16 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
-from rosbags.rosbag2.storage_mcap import McapWriter
+from rosbags.rosbag2.storage_mcap import McapWriter, write_channel, write_string
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from wholearm_ros.model.choices import Storage
 
 STORAGES = {Storage.mcap.value: StoragePlugin.MCAP, Storage.sqlite3.value: StoragePlugin.SQLITE3}
+
+TYPE_HASH = 'topic_type_hash'  # in a channel's metadata: RIHS01_ and 64 hexadecimal digits
 
 
 class _Pending(BytesIO):
@@ -40,6 +43,19 @@ class _McapStorage(McapWriter):
         self.bio.flush()
         self._file, self.bio = self.bio, _Pending(self.bio.tell())
         self._index = b''  # behind the data on disk
+
+    def add_connection(self, connection: Connection, offered_qos_profiles: str) -> None:
+        """With the hash of its type beside its quality of service, as rosbag2 writes a channel;
+        rosbags leaves it out.
+        """
+        begin = self.chunk.bio.tell()
+        super().add_connection(connection, offered_qos_profiles)
+        channel, type_hash = self.channels.pop(), BytesIO()
+        write_string(type_hash, TYPE_HASH)
+        write_string(type_hash, connection.digest)
+        self.channels.append(channel._replace(metadata=channel.metadata + type_hash.getvalue()))
+        self.chunk.bio.seek(begin)
+        write_channel(self.chunk.bio, self.channels[-1], self.schemas)
 
     def close(self, version: int, metadata: str) -> None:
         """Of the copy that Writer.close closes: a tail behind the data; the file stays open."""

@@ -43,6 +43,7 @@ class Signals:
             context=client.context,
             start_parameter_services=False,
         )
+        self._palm = channels.frame_in(self._node.get_namespace(), channels.PALM_FRAME)
         self._joints, self._estimate, self._truth = (
             self._node.create_subscription(topic.type, topic.name, _never, NEWEST)
             for topic in (channels.JOINT_STATES, channels.OBJECT_ESTIMATE, channels.OBJECT_POSE)
@@ -74,7 +75,7 @@ class Signals:
         """(3,) pose [m, m, rad] and its standard deviations; None when the fingers do not tell."""
         message, now = _taken(self._estimate), time.monotonic()
         if message is not None:
-            pose = _planar(PoseStamped(header=message.header, pose=message.pose.pose))
+            pose = self._planar(PoseStamped(header=message.header, pose=message.pose.pose))
             variances = np.asarray(message.pose.covariance)[[0, 7, 35]]
             deviations = np.sqrt(np.maximum(variances, 0.0))
             self._estimated = None if pose is None else (now, pose, deviations)
@@ -86,13 +87,22 @@ class Signals:
         """(3,) the object's true pose [m, m, rad], where a simulated hand tells."""
         message, now = _taken(self._truth), time.monotonic()
         if message is not None:
-            pose = _planar(message)
+            pose = self._planar(message)
             self._true = None if pose is None else (now, pose)
         return None if self._true is None or now - self._true[0] > STALE else self._true[1]
 
+    def _planar(self, message: PoseStamped) -> np.ndarray | None:
+        """None of a pose that cannot be used."""
+        try:
+            return to_planar(message, 'pose', self._palm)
+        except WholeArmError:
+            return None
+
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            name = status.name.rpartition('/')[2]
+            space, _, name = status.name.rpartition('/')
+            if space != self._node.get_namespace():
+                continue  # another hand's, in the same domain
             self.health[name] = {
                 'level': int.from_bytes(status.level, 'little'),
                 'message': status.message,
@@ -115,14 +125,6 @@ def _taken(subscription: Any, raw: bool = False) -> Any:
     """The newest message of a queue of one, None when none has come since the last time."""
     taken = subscription.handle.take_message(subscription.msg_type, raw)
     return None if taken is None else taken[0]
-
-
-def _planar(message: PoseStamped) -> np.ndarray | None:
-    """None of a pose that cannot be used."""
-    try:
-        return to_planar(message, 'pose')
-    except WholeArmError:
-        return None
 
 
 def _never(_: Any) -> None:

@@ -98,6 +98,7 @@ class Client:
         )
         self.executor = EventsExecutor(context=self.context)
         self.executor.add_node(self.node)
+        self._palm = channels.frame_in(self.node.get_namespace(), channels.PALM_FRAME)
         self._goal = self._publisher(channels.GOAL)
         self._cancel = self._publisher(channels.CANCEL)
         self._reorient = self._publisher(channels.REORIENTATION_GOAL)
@@ -377,13 +378,16 @@ class Client:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
+            if status.name.rpartition('/')[0] != self.node.get_namespace():
+                continue  # another hand's, in the same domain
             self.latest.told_by[status.name] = status.message
             listeners = values_of(status).get(channels.GOAL_LISTENERS, '')
             if listeners.isdecimal():
                 self.latest.goal_listeners = int(listeners)
 
     def _on_pose(self, message: PoseStamped) -> None:
-        self.latest.poses[to_nanoseconds(message.header.stamp)] = to_planar(message, 'object_pose')
+        planar = to_planar(message, 'object_pose', self._palm)
+        self.latest.poses[to_nanoseconds(message.header.stamp)] = planar
 
 
 def _at_least(count: Callable[[str], int], topic: str, number: int) -> bool:

@@ -18,6 +18,7 @@ from wholearm_ros.errors import WholeArmError
 
 PR_SET_PDEATHSIG = 1
 STOP_WITHIN = 3.0  # [s] between SIGINT and SIGKILL
+KILLED = f'did not end within {STOP_WITHIN:.0f} s of SIGINT and was killed'
 SHARED_MEMORY = Path('/dev/shm')
 
 
@@ -122,29 +123,27 @@ class Processes:
 
     def stop(self) -> None:
         """SIGINT, and SIGKILL to those that stay; the recorder last, to record the others' end."""
-        order = sorted(self._running, key=lambda node: node == 'bag_recorder')
-        for group in (
-            [n for n in order if n != 'bag_recorder'],
-            [n for n in order if n == 'bag_recorder'],
-        ):
-            self._stop([self._running[n] for n in group])
+        last = {n: p for n, p in self._running.items() if n == 'bag_recorder'}
+        _stop({n: p for n, p in self._running.items() if n not in last})
+        _stop(last)
         self._running = {}
         for path in _shared_memory() - self._shared_before:
             _remove_if_unused(path)
 
-    @staticmethod
-    def _stop(processes: list[subprocess.Popen[bytes]]) -> None:
-        for process in processes:
-            if process.poll() is None:
-                process.send_signal(signal.SIGCONT)  # one that was stopped would not hear the next
-                process.send_signal(signal.SIGINT)
-        deadline = time.monotonic() + STOP_WITHIN
-        for process in processes:
-            try:
-                process.wait(max(0.0, deadline - time.monotonic()))
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+
+def _stop(processes: dict[str, subprocess.Popen[bytes]]) -> None:
+    for process in processes.values():
+        if process.poll() is None:
+            process.send_signal(signal.SIGCONT)  # one that was stopped would not hear the next
+            process.send_signal(signal.SIGINT)
+    deadline = time.monotonic() + STOP_WITHIN
+    for node, process in processes.items():
+        try:
+            process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            print(f'{node} {KILLED}', file=sys.stderr, flush=True)
+            process.kill()
+            process.wait()
 
 
 def die_with_parent() -> None:

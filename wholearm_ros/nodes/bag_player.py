@@ -1,7 +1,6 @@
 """Plays a bag back: its messages on their topics, with their timing, byte by byte."""
 
 import importlib
-import sys
 import threading
 import time
 from pathlib import Path
@@ -185,7 +184,7 @@ def qos_of(connection: Connection) -> QoSProfile:
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(BagPlayer))
+    run_node(BagPlayer)
 
 
 if __name__ == '__main__':

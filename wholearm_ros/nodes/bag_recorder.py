@@ -117,7 +117,7 @@ def _chosen(names: list[str]) -> list[channels.Topic]:
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(BagRecorder))
+    run_node(BagRecorder)
 
 
 if __name__ == '__main__':

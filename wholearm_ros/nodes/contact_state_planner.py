@@ -1,7 +1,6 @@
 """Plans routes of contact states: of the scenario as configured, or between two object poses."""
 
 import json
-import sys
 import threading
 import traceback
 from collections.abc import Callable
@@ -159,10 +158,10 @@ class ContactStatePlanner(WholeArmNode):
         A question: what would be executed stays as it is.
         """
         _, _, plan = await self.answer(lambda: self.between(request))
-        stamp = self.get_clock().now().to_msg()
-        response.plan.header.frame_id, response.plan.header.stamp = channels.PALM_FRAME, stamp
+        stamp, palm = self.get_clock().now().to_msg(), self.frame(channels.PALM_FRAME)
+        response.plan.header.frame_id, response.plan.header.stamp = palm, stamp
         if plan is not None:
-            response.plan.poses = [pose_message(stamp, pose) for pose in plan.object_path()]
+            response.plan.poses = [pose_message(stamp, pose, palm) for pose in plan.object_path()]
         return response
 
     def between(self, request: GetPlan.Request) -> Scenario:
@@ -171,7 +170,8 @@ class ContactStatePlanner(WholeArmNode):
         Raises ScenarioError or MessageError.
         """
         scenario = scenario_of(self.parameters)
-        start, goal = to_planar(request.start, 'start'), to_planar(request.goal, 'goal')
+        palm = self.frame(channels.PALM_FRAME)
+        start, goal = to_planar(request.start, 'start', palm), to_planar(request.goal, 'goal', palm)
         if not np.isfinite(request.tolerance) or request.tolerance < 0:
             raise MessageError(f'tolerance: got {request.tolerance}; allowed: 0 or more')
         goal[2] += 2 * np.pi * round((start[2] - goal[2]) / (2 * np.pi))  # the shorter way round
@@ -255,7 +255,7 @@ class ContactStatePlanner(WholeArmNode):
             self.published = told
             document = {**found.to_dict(scenario.name), 'making': making}
             self.face_map.publish(String(data=json.dumps(document)))
-            self.markers.publish(map_markers(scenario, found))
+            self.markers.publish(map_markers(scenario, found, self.frame(channels.PALM_FRAME)))
 
     def leave(self) -> None:
         """A map that is not finished goes on the next time."""
@@ -329,7 +329,7 @@ def _certificate_values(plan: ContactPlan) -> dict[str, Any]:
 def main() -> None:
     """The executable."""
     # EventsExecutor takes no coroutine as a service callback; this node has no fast topic.
-    sys.exit(run_node(ContactStatePlanner, make_executor=SingleThreadedExecutor))
+    run_node(ContactStatePlanner, make_executor=SingleThreadedExecutor)
 
 
 if __name__ == '__main__':

@@ -133,14 +133,17 @@ class HandHardware(WholeArmNode):
         self.joint_states = self.publisher(channels.JOINT_STATES)
         self.object_pose = self.publisher(channels.OBJECT_POSE)
         self.description = self.publisher(channels.ROBOT_DESCRIPTION)
-        self.description.publish(String(data=urdf(self.scenario)))
+        self.description.publish(String(data=urdf(self.scenario, namespace=self.get_namespace())))
         self.markers, self.frames = self.publisher(channels.MARKERS), Frames(self, self.scenario)
         self.clock = self.publisher(channels.CLOCK) if self.lockstep else None
         self.subscription(channels.JOINT_COMMANDS, self.on_command)
         self.service(channels.RESET, self.on_reset)
         self.service(channels.HARDWARE_STOP, self.on_stop)
         self.clock_message = Clock()
-        self.pose_message = pose_message(self.clock_message.clock, self.hand.object_pose())
+        self.palm = self.frame(channels.PALM_FRAME)
+        self.pose_message = pose_message(
+            self.clock_message.clock, self.hand.object_pose(), self.palm
+        )
 
         self.every(SHOW_PERIOD, self.show)
         if self.lockstep:
@@ -202,7 +205,7 @@ class HandHardware(WholeArmNode):
             now, pose, contacts = self.now, self.hand.object_pose(), self.hand.contacts()
             angles, _ = self.hand.joints()
         self.frames.publish(now, pose, angles)
-        self.markers.publish(state_markers(self.scenario, pose, contacts))
+        self.markers.publish(state_markers(self.scenario, pose, contacts, self.palm))
 
     def run_on_the_wall_clock(self) -> None:
         """Stamps advance by one period a step."""
@@ -270,7 +273,7 @@ class HandHardware(WholeArmNode):
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(HandHardware))
+    run_node(HandHardware)
 
 
 if __name__ == '__main__':

@@ -3,7 +3,6 @@ state.
 """
 
 import json
-import sys
 import time
 from dataclasses import replace
 from typing import Any
@@ -305,7 +304,7 @@ def told_course(run: Execution | None) -> str:
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(ModeSwitcher))
+    run_node(ModeSwitcher)
 
 
 if __name__ == '__main__':

@@ -1,7 +1,5 @@
 """Estimates the object's pose and contact state from the finger angles; receives no true pose."""
 
-import sys
-
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
@@ -44,16 +42,11 @@ class ObjectObserver(WholeArmNode):
         self.progress: dict[str, str] = {}
         self.stamp, self.estimates, self.said = -1, 0, 'no joint states yet'
 
+        self.palm = self.frame(channels.PALM_FRAME)
         self.estimate_topic = self.publisher(channels.OBJECT_ESTIMATE)
         self.state_topic = self.publisher(channels.CONTACT_STATE)
         self.markers = self.publisher(channels.MARKERS)
-        self.create_subscription(
-            channels.JOINT_STATES.type,
-            channels.JOINT_STATES.name,
-            self.on_joints,
-            channels.NEWEST_STATE,
-            raw=True,
-        )
+        self.listen(channels.JOINT_STATES, self.on_joints, channels.NEWEST_STATE, raw=True)
         self.subscription(channels.MANIPULATION_TRAJECTORY, self.on_trajectory)
         self.subscription(channels.PROGRESS, self.on_progress)
         self.every(1.0 / self.parameters.estimate_rate, self.guarded_estimate)
@@ -93,10 +86,11 @@ class ObjectObserver(WholeArmNode):
         self.state_topic.publish(status_message(name, level, self.said, values))
         if found.best is not None:
             deviations = self.observer.deviations(found.best)
-            self.estimate_topic.publish(estimate_message(stamp, found.best.pose, deviations))
+            told = estimate_message(stamp, found.best.pose, deviations, self.palm)
+            self.estimate_topic.publish(told)
         if self.estimates % DRAWN_EVERY == 0:
             pose = None if found.best is None else found.best.pose
-            self.markers.publish(estimate_markers(self.scenario, pose))
+            self.markers.publish(estimate_markers(self.scenario, pose, self.palm))
 
     def explain(self, stamp: int, angles: np.ndarray) -> Estimate:
         """By the plan while it is followed, by the edges of rest at the end and while probing."""
@@ -118,7 +112,7 @@ class ObjectObserver(WholeArmNode):
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(ObjectObserver))
+    run_node(ObjectObserver)
 
 
 if __name__ == '__main__':

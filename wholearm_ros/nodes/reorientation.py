@@ -1,7 +1,6 @@
 """Leads the scenario's goal to its end: plan, execute, feel, and plan again from what was felt."""
 
 import json
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -380,7 +379,7 @@ def _told(values: dict[str, str], planned: bool, stop: GoalOnEdge | None) -> dic
 
 def main() -> None:
     """Entry point of the executable."""
-    sys.exit(run_node(Reorientation))
+    run_node(Reorientation)
 
 
 if __name__ == '__main__':

@@ -2,7 +2,6 @@
 out. A managed node: the motors are off until it is activated.
 """
 
-import sys
 import time
 
 import numpy as np
@@ -90,12 +89,13 @@ class Ros2ControlBridge(LifecycleNodeMixin, WholeArmNode):
 
         self.joint_states = self.publisher(channels.JOINT_STATES)
         self.description = self.publisher(channels.ROBOT_DESCRIPTION)
-        self.description.publish(String(data=urdf(scenario)))
+        self.description.publish(String(data=urdf(scenario, namespace=self.get_namespace())))
         self.controller = self.publisher(
             channels.Topic(p.controller, Float64MultiArray, channels.NEWEST)
         )
         self.subscription(
-            channels.Topic(p.broadcaster, JointState, channels.RELIABLE), self.on_states
+            channels.Topic(p.broadcaster, JointState, channels.RELIABLE, steady=True),
+            self.on_states,
         )
         self.subscription(channels.JOINT_COMMANDS, self.on_command)
         self.service(channels.RESET, self.on_reset)
@@ -268,7 +268,7 @@ def joint_map_of(names: list[str], signs: list[float], offsets: list[float]) -> 
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(Ros2ControlBridge))
+    run_node(Ros2ControlBridge)
 
 
 if __name__ == '__main__':

@@ -1,7 +1,6 @@
 """The planned torque of the torque-controlled finger, open loop, its rate of change limited."""
 
 import math
-import sys
 
 from wholearm_ros.control.open_loop_torque import torque_effort
 from wholearm_ros.control.setpoints import Joints, TorqueSetpoint
@@ -50,7 +49,7 @@ class TorqueController(ControllerNode):
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(TorqueController))
+    run_node(TorqueController)
 
 
 if __name__ == '__main__':

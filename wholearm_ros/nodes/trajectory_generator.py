@@ -3,7 +3,6 @@ ended.
 """
 
 import json
-import sys
 import time
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -118,9 +117,10 @@ class TrajectoryGenerator(WholeArmNode):
         self.trajectory = trajectory
         self.plan_id = to_goal_id(plan.id)
         now = self.get_clock().now().to_msg()
-        self.joint_trajectory.publish(to_joint_trajectory(trajectory, now))
+        palm = self.frame(channels.PALM_FRAME)
+        self.joint_trajectory.publish(to_joint_trajectory(trajectory, now, palm))
         self.publish_trajectory(trajectory)
-        self.markers.publish(plan_markers(plan.scenario, trajectory))
+        self.markers.publish(plan_markers(plan.scenario, trajectory, palm))
         self.get_logger().info(f'plan {plan.id[:8]}: trajectory of {trajectory.duration:.2f} s')
 
     def publish_trajectory(self, trajectory: ManipulationTrajectory) -> None:
@@ -280,7 +280,7 @@ def told_values(claimed: Claim) -> dict[str, Any]:
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(TrajectoryGenerator))
+    run_node(TrajectoryGenerator)
 
 
 if __name__ == '__main__':

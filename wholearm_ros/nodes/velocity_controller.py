@@ -1,7 +1,5 @@
 """PD feedback on the velocity-controlled finger, its equilibrium torque fed forward."""
 
-import sys
-
 from wholearm_ros.control.pd_velocity import velocity_effort
 from wholearm_ros.control.setpoints import Joints, VelocitySetpoint
 from wholearm_ros.ros.interface import channels
@@ -38,7 +36,7 @@ class VelocityController(ControllerNode):
 
 def main() -> None:
     """The executable."""
-    sys.exit(run_node(VelocityController))
+    run_node(VelocityController)
 
 
 if __name__ == '__main__':

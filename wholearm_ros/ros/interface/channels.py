@@ -20,6 +20,14 @@ PALM_FRAME, OBJECT_FRAME = 'palm', 'object'
 FINGER_FRAMES = ('left_finger', 'right_finger')
 
 
+def frame_in(namespace: str, frame: str) -> str:
+    """The name of a hand's frame on /tf, which all hands share: 'palm' in the default namespace,
+    'left/palm' in /left.
+    """
+    space = namespace.strip('/')
+    return frame if space in ('', NAMESPACE) else f'{space}/{frame}'
+
+
 def _qos(depth: int, reliable: bool = True, latched: bool = False) -> QoSProfile:
     return QoSProfile(
         depth=depth,
@@ -39,11 +47,16 @@ NEWEST_STATE = _qos(1, reliable=False)  # joint states for those that look at a 
 
 @dataclass(frozen=True, eq=False)
 class Topic:
-    """A topic; what it carries and from whom to whom is in docs/ros.md."""
+    """A topic; what it carries and from whom to whom is in docs/ros.md.
+
+    steady: whoever publishes it never pauses, so that silence is a fault. Setpoints and commands
+    are not: they come with a run, and the drives' watchdog tells when they end.
+    """
 
     name: str
     type: type
     qos: QoSProfile
+    steady: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +94,7 @@ VELOCITY_SETPOINT = Topic('velocity_setpoint', JointState, NEWEST)
 TORQUE_SETPOINT = Topic('torque_setpoint', JointState, NEWEST)
 
 JOINT_COMMANDS = Topic('joint_commands', JointState, _qos(2))  # two publishers, one joint a message
-JOINT_STATES = Topic('joint_states', JointState, RELIABLE)
+JOINT_STATES = Topic('joint_states', JointState, RELIABLE, steady=True)
 OBJECT_POSE = Topic('object_pose', PoseStamped, BEST_EFFORT)
 OBJECT_ESTIMATE = Topic('object_estimate', PoseWithCovarianceStamped, RELIABLE)
 CONTACT_STATE = Topic('object_observer/contact_state', DiagnosticStatus, RELIABLE)

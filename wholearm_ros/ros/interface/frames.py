@@ -25,7 +25,10 @@ class Frames:
 
     def __init__(self, node: WholeArmNode, scenario: Scenario) -> None:
         self._axes = [scenario.hand.left.axis, scenario.hand.right.axis]
-        self._transforms = [_transform(frame) for frame in (OBJECT_FRAME, *FINGER_FRAMES)]
+        palm = node.frame(PALM_FRAME)
+        self._transforms = [
+            _transform(palm, node.frame(frame)) for frame in (OBJECT_FRAME, *FINGER_FRAMES)
+        ]
         self._publisher = (
             node.publisher(TRANSFORMS)
             if TFMessage is None
@@ -47,7 +50,7 @@ class Frames:
                 self._publisher.publish(transform)
 
 
-def _transform(child: str) -> TransformStamped:
+def _transform(parent: str, child: str) -> TransformStamped:
     transform = TransformStamped(child_frame_id=child)
-    transform.header.frame_id = PALM_FRAME
+    transform.header.frame_id = parent
     return transform

@@ -169,16 +169,15 @@ def _one_joint(channel: str, message: JointReading, fields: tuple[str, ...]) -> 
 # -- the object's pose: (x, y, rotation) in the palm's frame [m, m, rad]
 
 
-def to_planar(message: PoseStamped, field: str) -> np.ndarray:
-    """(3,) of a pose in the palm's frame; the rotation lies in (-π, π].
+def to_planar(message: PoseStamped, field: str, frame: str = PALM_FRAME) -> np.ndarray:
+    """(3,) of a pose in the palm's frame, `frame`; the rotation lies in (-π, π].
 
     field: what the message is called in a MessageError, which is raised for another frame, numbers
     that are not finite, and rotations that are not about z.
     """
-    if message.header.frame_id not in ('', PALM_FRAME):
+    if message.header.frame_id not in ('', frame):
         raise MessageError(
-            f'{field}.header.frame_id: got {_shown(message.header.frame_id)}; '
-            f'allowed: {PALM_FRAME!r}'
+            f'{field}.header.frame_id: got {_shown(message.header.frame_id)}; allowed: {frame!r}'
         )
     p, q = message.pose.position, message.pose.orientation
     if not all(map(math.isfinite, (p.x, p.y, p.z, q.x, q.y, q.z, q.w))):
@@ -204,23 +203,24 @@ def fill_rotation(quaternion: Quaternion, angle: float) -> None:
     quaternion.z, quaternion.w = math.sin(angle / 2), math.cos(angle / 2)
 
 
-def pose_message(stamp: Time, planar: np.ndarray) -> PoseStamped:
-    """planar: (3,) x, y [m], rotation [rad] in the palm's frame."""
+def pose_message(stamp: Time, planar: np.ndarray, frame: str = PALM_FRAME) -> PoseStamped:
+    """planar: (3,) x, y [m], rotation [rad] in the palm's frame, `frame`."""
     message = PoseStamped()
-    message.header.frame_id, message.header.stamp = PALM_FRAME, stamp
+    message.header.frame_id, message.header.stamp = frame, stamp
     fill_pose(message.pose, planar)
     return message
 
 
 def estimate_message(
-    stamp: int, planar: np.ndarray, deviations: np.ndarray
+    stamp: int, planar: np.ndarray, deviations: np.ndarray, frame: str = PALM_FRAME
 ) -> PoseWithCovarianceStamped:
-    """planar (3,) [m, m, rad] and its standard deviations (3,) at `stamp` [ns].
+    """planar (3,) [m, m, rad] in the palm's frame, `frame`, and its standard deviations (3,) at
+    `stamp` [ns].
 
     What is not planar has a variance of zero.
     """
     message = PoseWithCovarianceStamped()
-    message.header.frame_id = PALM_FRAME
+    message.header.frame_id = frame
     set_stamp(message.header.stamp, stamp)
     fill_pose(message.pose.pose, planar)
     covariance = np.zeros((6, 6))
@@ -267,10 +267,12 @@ def goal_statuses(entries: Iterable[tuple[GoalInfo, int]]) -> GoalStatusArray:
 # -- trajectories
 
 
-def to_joint_trajectory(trajectory: ManipulationTrajectory, stamp: Time) -> JointTrajectory:
-    """Positions, velocities and efforts of both joints, from `stamp` on."""
+def to_joint_trajectory(
+    trajectory: ManipulationTrajectory, stamp: Time, frame: str = PALM_FRAME
+) -> JointTrajectory:
+    """Positions, velocities and efforts of both joints, from `stamp` on; frame: of the palm."""
     message = JointTrajectory(joint_names=list(JOINT_NAMES))
-    message.header.frame_id, message.header.stamp = PALM_FRAME, stamp
+    message.header.frame_id, message.header.stamp = frame, stamp
     rows = zip(
         trajectory.times.tolist(),
         trajectory.angles.tolist(),

@@ -6,6 +6,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
@@ -15,6 +16,7 @@ from wholearm_ros.ros.interface.joint_state_serialization import read_joints
 from wholearm_ros.ros.interface.messages import status_message
 from wholearm_ros.ros.interface.parameters import Declared, Parameters, survives_unknown_types
 from wholearm_ros.ros.node.measured_publisher import LongestPublish, MeasuredPublisher
+from wholearm_ros.ros.node.steady_subscription import LOOK_PERIOD, SteadySubscription
 
 # [s] after SIGINT or SIGTERM; then the process ends whatever a callback is doing.
 LEAVE_WITHIN = 0.8
@@ -47,16 +49,18 @@ class WholeArmNode(Node):
             self, (DIAGNOSTICS_RATE, PRIORITY, *declared), self.parameters_changed
         )
         self._diagnostics = self.publisher(channels.DIAGNOSTICS)
+        self._steady: list[SteadySubscription] = []
         self.double = False  # whether another node has this one's name
         self.every(1.0 / self.parameters.diagnostics_rate, self.report)
         self.every(DOUBLE_PERIOD, self.look_for_a_double)
+        self.every(LOOK_PERIOD, self.look_for_silence)
 
     def publisher(self, topic: channels.Topic) -> MeasuredPublisher:
         """On `topic`, measured."""
         publisher = self.create_publisher(topic.type, topic.name, topic.qos)
         return MeasuredPublisher(publisher, topic, self.longest_publish)
 
-    def subscription(self, topic: channels.Topic, callback: Callable[[Any], None]) -> Subscription:
+    def subscription(self, topic: channels.Topic, callback: Callable[[Any], None]) -> None:
         """`callback(message)`; a WholeArmError in it refuses the message: logged and counted.
 
         A JointState comes as a JointReading, read from the wire, and is received best effort: sent
@@ -71,7 +75,26 @@ class WholeArmNode(Node):
                 self.refuse(f'{topic.name}: refused: {error}')
 
         qos = channels.NO_RESENDING if raw else topic.qos
-        return self.create_subscription(topic.type, topic.name, guarded, qos, raw=raw)
+        self.listen(topic, guarded, qos, raw)
+
+    def listen(
+        self, topic: channels.Topic, callback: Callable[[Any], None], qos: QoSProfile, raw: bool
+    ) -> None:
+        """As `create_subscription`; where the topic is steady, deafness is told and mended."""
+
+        def subscribe(hear: Callable[[Any], None]) -> Subscription:
+            return self.create_subscription(topic.type, topic.name, hear, qos, raw=raw)
+
+        if not topic.steady:
+            subscribe(callback)
+            return
+        self._steady.append(
+            SteadySubscription(topic.name, callback, subscribe, self.destroy_subscription)
+        )
+
+    def frame(self, name: str) -> str:
+        """The name on /tf of one of the frames of this node's hand."""
+        return channels.frame_in(self.get_namespace(), name)
 
     def service(self, service: channels.Service, callback: Callable[[Any, Any], Any]) -> None:
         """`callback(request, response)` answers `service`."""
@@ -106,12 +129,22 @@ class WholeArmNode(Node):
             self.get_logger().error(f'{DOUBLE}: {self.get_fully_qualified_name()}')
         self.double = double
 
+    def look_for_silence(self) -> None:
+        """Of the topics that never pause."""
+        for subscription in self._steady:
+            if told := subscription.look():
+                self.get_logger().warning(told)
+
     def report(self) -> None:
         """One DiagnosticStatus on /diagnostics."""
         level, message, values = self.health()
-        if self.double and level != ERROR:
-            level, message = WARN, DOUBLE
+        problems = [DOUBLE] if self.double else []
+        problems += [s.problem for s in self._steady if s.problem]
+        if problems and level != ERROR:
+            level, message = WARN, '; '.join(problems)
         values.update({'refused messages': self.refused, **self.longest_publish.figures()})
+        if self._steady:
+            values['renewed subscriptions'] = sum(s.renewals for s in self._steady)
         array = DiagnosticArray(
             status=[status_message(self.get_fully_qualified_name(), level, message, values)]
         )

@@ -5,8 +5,9 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
-from typing import Optional
+from typing import NoReturn, Optional
 
 import rclpy
 from rclpy.executors import Executor
@@ -20,7 +21,6 @@ from wholearm_ros.ros.node.node import LEAVE_WITHIN, WholeArmNode
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SIGNAL_PERIOD = 0.05  # [s] between two looks at whether a signal came
-EXIT_WITHIN = 2  # [s] for the interpreter to end by itself, then the kernel ends it
 
 
 class Ending:
@@ -34,7 +34,7 @@ class Ending:
 
     def __init__(self) -> None:
         self.within = LEAVE_WITHIN  # [s] from the signal to the end of the process
-        self.signalled, self._left = threading.Event(), threading.Event()
+        self.signalled = threading.Event()
         self._read, write = os.pipe()
         os.set_blocking(write, False)
         for number in SIGNALS:
@@ -46,24 +46,27 @@ class Ending:
         while not set(os.read(self._read, 1)) & set(SIGNALS):
             pass
         self.signalled.set()
-        if not self._left.wait(self.within):
-            os._exit(0)
+        time.sleep(self.within)
+        os._exit(0)  # nothing is flushed: whoever writes holds the lock
 
-    def left(self) -> None:
-        """The node is gone; what is left is the interpreter's own exit, which gets a limit, too."""
-        self._left.set()
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        signal.alarm(EXIT_WITHIN)
+
+def end_process(code: int) -> NoReturn:
+    """At once: the interpreter's own exit waits for threads and takes compiled code apart, which on
+    a busy machine takes seconds.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
 
 
 def run_node(
     make_node: Callable[[], WholeArmNode],
     args: Optional[list[str]] = None,
     make_executor: Callable[[], Executor] = EventsExecutor,
-) -> int:
-    """Spin the node until SIGINT or SIGTERM.
+) -> NoReturn:
+    """Spin the node until SIGINT or SIGTERM, then end the process.
 
-    The exit code: 0, or 2 when it cannot start as configured.
+    Its exit code: 0, or 2 when the node cannot start as configured.
     """
     ending, transport = Ending(), choose_transport()
     try:
@@ -71,9 +74,7 @@ def run_node(
         node = make_node()
     except WholeArmError as error:
         print(f'error: {error}', file=sys.stderr, flush=True)
-        rclpy.try_shutdown()
-        ending.left()
-        return 2
+        end_process(2)
     node.get_logger().info(transport)
     ending.within = node.leave_within
     executor = make_executor()
@@ -83,9 +84,10 @@ def run_node(
     gc.freeze()  # what is there stays: no collection of it holds up the loop
     _spin(executor, node, ending)
     node.leave()
+    executor.shutdown(timeout_sec=0.0)
+    node.destroy_node()  # type: ignore[no-untyped-call]  # others see it go
     rclpy.try_shutdown()
-    ending.left()
-    return 0
+    end_process(0)
 
 
 def _spin(executor: Executor, node: WholeArmNode, ending: Ending) -> None:

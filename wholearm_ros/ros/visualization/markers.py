@@ -1,6 +1,6 @@
 """Markers for RViz and Foxglove: the object, the palm, contacts with their normals, ghosts.
 
-All of them are in the palm's frame, so that nothing needs to be configured.
+All of them are in the palm's frame (`frame`), so that nothing needs to be configured.
 """
 
 from collections.abc import Iterable, Sequence
@@ -33,7 +33,10 @@ MOST_FACES = 16
 
 
 def state_markers(
-    scenario: Scenario, pose: np.ndarray, contacts: Sequence[ContactPoint]
+    scenario: Scenario,
+    pose: np.ndarray,
+    contacts: Sequence[ContactPoint],
+    frame: str = PALM_FRAME,
 ) -> MarkerArray:
     """The object at `pose` (3,), the palm and the contacts now."""
     markers = [
@@ -46,29 +49,34 @@ def state_markers(
             markers.append(_arrow('contacts', k, contacts[k].point, tip, LINE, CONTACT_COLOUR))
         else:
             markers.append(_gone('contacts', k))
-    return MarkerArray(markers=markers)
+    return _in_frame(frame, markers)
 
 
-def plan_markers(scenario: Scenario, trajectory: ManipulationTrajectory) -> MarkerArray:
+def plan_markers(
+    scenario: Scenario, trajectory: ManipulationTrajectory, frame: str = PALM_FRAME
+) -> MarkerArray:
     """The object at a few poses of the trajectory."""
     rows = np.linspace(0, len(trajectory.poses) - 1, GHOSTS).round().astype(int)
-    return MarkerArray(
-        markers=[
+    return _in_frame(
+        frame,
+        [
             _line('plan', k, _outline(scenario, trajectory.poses[row]), THIN, GHOST_COLOUR)
             for k, row in enumerate(rows)
-        ]
+        ],
     )
 
 
-def estimate_markers(scenario: Scenario, pose: np.ndarray | None) -> MarkerArray:
+def estimate_markers(
+    scenario: Scenario, pose: np.ndarray | None, frame: str = PALM_FRAME
+) -> MarkerArray:
     """The object where the observer takes it to be (3,); nothing when it does not know."""
     if pose is None:
-        return MarkerArray(markers=[_gone('estimate', 0)])
+        return _in_frame(frame, [_gone('estimate', 0)])
     outline = _outline(scenario, pose)
-    return MarkerArray(markers=[_line('estimate', 0, outline, 2 * THIN, ESTIMATE_COLOUR)])
+    return _in_frame(frame, [_line('estimate', 0, outline, 2 * THIN, ESTIMATE_COLOUR)])
 
 
-def map_markers(scenario: Scenario, face_map: FaceMap) -> MarkerArray:
+def map_markers(scenario: Scenario, face_map: FaceMap, frame: str = PALM_FRAME) -> MarkerArray:
     """The object's faces in a ring above the hand, and the turns between them: the wider an arrow,
     the surer the turn.
     """
@@ -95,6 +103,12 @@ def map_markers(scenario: Scenario, face_map: FaceMap) -> MarkerArray:
             markers.append(
                 _arrow('turns', number, *ends, LINE * way.success_rate, TURN_COLOURS[direction])
             )
+    return _in_frame(frame, markers)
+
+
+def _in_frame(frame: str, markers: list[Marker]) -> MarkerArray:
+    for marker in markers:
+        marker.header.frame_id = frame
     return MarkerArray(markers=markers)
 
 
@@ -112,7 +126,6 @@ def _marker(namespace: str, number: int, kind: int, colour: Colour) -> Marker:
         action=Marker.ADD,
         color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=colour[3]),
     )
-    marker.header.frame_id = PALM_FRAME
     marker.pose.orientation.w = 1.0
     return marker
 
@@ -134,9 +147,7 @@ def _arrow(
 
 
 def _gone(namespace: str, number: int) -> Marker:
-    marker = Marker(ns=namespace, id=number, action=Marker.DELETE)
-    marker.header.frame_id = PALM_FRAME
-    return marker
+    return Marker(ns=namespace, id=number, action=Marker.DELETE)
 
 
 def _points(rows: Iterable[np.ndarray]) -> list[Point]:

@@ -11,27 +11,29 @@ from wholearm_ros.model.finger_shape import FingerShape, Rectangle
 from wholearm_ros.model.hand import JOINT_NAMES, SIDES, Finger
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.union import below
-from wholearm_ros.ros.interface.channels import FINGER_FRAMES, PALM_FRAME
+from wholearm_ros.ros.interface.channels import FINGER_FRAMES, NAMESPACE, PALM_FRAME, frame_in
 
 THICKNESS = 0.02  # [m] across the plane, for show
 SLICES = 12  # of a part of a finger that is no rectangle
 MAX_SPEED = 20.0  # [rad/s]
 
 
-def urdf(scenario: Scenario, ros2_control: str = '') -> str:
+def urdf(scenario: Scenario, ros2_control: str = '', namespace: str = NAMESPACE) -> str:
     """x right, y up in the support plane, z towards the onlooker: the joints turn about z.
 
-    ros2_control: a tag of that name, as `topic_system` makes one.
+    ros2_control: a tag of that name, as `topic_system` makes one; namespace: of the hand, which its
+    links are named after; its joints are not, `joint_states` names them.
     """
+    palm, *fingers = (frame_in(namespace, frame) for frame in (PALM_FRAME, *FINGER_FRAMES))
     parts = [
         '<?xml version="1.0"?>',
         f'<robot name={quoteattr(scenario.name or "wholearm")}>',
-        f'<link name="{PALM_FRAME}">',
+        f'<link name="{palm}">',
         *_palm_slabs(scenario),
         '</link>',
     ]
-    for side, joint, frame in zip(SIDES, JOINT_NAMES, FINGER_FRAMES):
-        parts += _finger(getattr(scenario.hand, side), joint, frame)
+    for side, joint, frame in zip(SIDES, JOINT_NAMES, fingers):
+        parts += _finger(getattr(scenario.hand, side), joint, palm, frame)
     return '\n'.join([*parts, *([ros2_control] if ros2_control else []), '</robot>', ''])
 
 
@@ -80,7 +82,7 @@ def _palm_slabs(scenario: Scenario) -> Iterator[str]:
         )
 
 
-def _finger(finger: Finger, joint: str, frame: str) -> list[str]:
+def _finger(finger: Finger, joint: str, palm: str, frame: str) -> list[str]:
     low, high = finger.angle_limits
     x, y = finger.shape.centre
     across = finger.inertia_about_centre
@@ -92,7 +94,7 @@ def _finger(finger: Finger, joint: str, frame: str) -> list[str]:
         *(_finger_box(*box) for box in _boxes(finger.shape)),
         '</link>',
         f'<joint name="{joint}" type="revolute">'
-        f'<parent link="{PALM_FRAME}"/><child link="{frame}"/>'
+        f'<parent link="{palm}"/><child link="{frame}"/>'
         f'<origin xyz="{finger.axis[0]:.6g} {finger.axis[1]:.6g} 0"/><axis xyz="0 0 1"/>'
         f'<limit lower="{low:.6g}" upper="{high:.6g}" effort="{finger.torque_limit:.6g}" '
         f'velocity="{MAX_SPEED}"/>'
