@@ -85,8 +85,9 @@ def test_a_bag_names_the_types_by_the_hashes_of_the_middleware(graph):
         assert str(told.topic_type_hash) == store.hash_rihs01(type_name(topic.type))
 
 
-def test_a_bag_that_was_cut_off_opens_up_to_the_cut(tmp_path):
+def test_a_bag_that_was_cut_off_opens_up_to_the_cut(tmp_path, monkeypatch):
     """What is lost is the record that was cut: of the recorder's, what came in between two of its checkpoints."""
+    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
     with Bag(BAG) as whole:
         recorded = [(c.topic, at, bytes(data)) for c, at, data in whole.raw()]
     counts = []
@@ -98,7 +99,7 @@ def test_a_bag_that_was_cut_off_opens_up_to_the_cut(tmp_path):
         assert found == recorded[: len(found)]
         counts.append(len(found))
     assert counts == sorted(counts) and 0 < counts[2] < counts[4] and counts[-1] == len(recorded)
-    assert not list(Path(tempfile.gettempdir()).glob('wholearm_bag_*')), 'the mended copy is gone'
+    assert not list(tmp_path.glob('wholearm_bag_*')), 'the mended copy is gone'
 
 
 def test_a_cut_off_bag_is_played_up_to_the_cut(graph, tmp_path):

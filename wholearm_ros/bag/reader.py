@@ -1,7 +1,7 @@
 """A reader of bags: messages by topic in any namespace, up to the cut of a bag that was cut off."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Optional
 
@@ -28,17 +28,16 @@ class Bag:
         self.path, self.store = Path(path), jazzy_typestore()
         if not self.path.exists():
             raise BagError(f'{path}: no such bag; allowed: the directory of a rosbag2 bag')
-        self.cut, self._open = [file.name for file in cut_files(self.path)], ExitStack()
+        self.cut = [file.name for file in cut_files(self.path)]
 
     def __enter__(self) -> 'Bag':
-        with ExitStack() as opening, self._readable():
-            path = opening.enter_context(opened_whole(self.path))
-            self._reader = opening.enter_context(AnyReader([path], default_typestore=self.store))
-            self._open = opening.pop_all()
+        with self._readable(), opened_whole(self.path) as path:  # which may go: its files are open
+            self._reader = AnyReader([path], default_typestore=self.store)
+            self._reader.open()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._open.close()
+        self._reader.close()
 
     @contextmanager
     def _readable(self) -> Iterator[None]:

@@ -7,8 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
+from contextlib import suppress
 
 from wholearm_ros.launcher.processes import STOP_WITHIN, die_with_parent
 from wholearm_ros.model.scenario import Scenario
@@ -25,18 +24,19 @@ class MapMaker:
 
     def __init__(self, scenario: Scenario, jobs: int) -> None:
         self.directory = MapStore(scenario).directory
-        self._told = tempfile.TemporaryDirectory(prefix='wholearm_map_')
-        file = Path(self._told.name) / 'scenario.json'
-        file.write_text(json.dumps(scenario_to_dict(scenario)), encoding='utf-8')
-        command = [sys.executable, '-m', 'wholearm_ros', 'map', str(file), '--jobs', str(jobs)]
+        command = [sys.executable, '-m', 'wholearm_ros', 'map', '/dev/stdin', '--jobs', str(jobs)]
         self._process = subprocess.Popen(
             command,
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
             preexec_fn=_polite_child,
+            text=True,
         )
+        assert self._process.stdin is not None
+        with suppress(BrokenPipeError), self._process.stdin as told:  # it may have ended already
+            json.dump(scenario_to_dict(scenario), told)
 
     @property
     def making(self) -> bool:
@@ -52,7 +52,6 @@ class MapMaker:
             except subprocess.TimeoutExpired:
                 os.killpg(self._process.pid, signal.SIGKILL)
                 self._process.wait()
-        self._told.cleanup()
 
 
 def _polite_child() -> None:
