@@ -72,6 +72,7 @@ def main():
     parser.add_argument('--runs', type=int, default=10)
     parser.add_argument('--levels', type=float, nargs='*', default=[0.0, 2.0, 4.0])
     parser.add_argument('--pacings', nargs='*', default=['realtime', 'lockstep'])
+    parser.add_argument('--scenarios', nargs='*', default=SCENARIOS, choices=SCENARIOS)
     parser.add_argument('--json', type=Path, default=Path('graph_runs.jsonl'))
     parser.add_argument('--one', nargs=4, help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -85,7 +86,7 @@ def main():
     done = {tuple(row['key']) for row in rows}
     for seed in range(options.runs):
         for pacing in options.pacings:
-            for scenario in SCENARIOS:
+            for scenario in options.scenarios:
                 for level in options.levels:
                     key = (scenario, pacing, level, seed)
                     if key in done:
