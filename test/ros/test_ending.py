@@ -158,6 +158,26 @@ def test_a_planner_that_makes_a_map_publishes_it_and_ends_with_what_it_started(g
         time.sleep(0.05)
 
 
+STUCK = """
+import ctypes
+from wholearm_ros.ros.node.node import WholeArmNode
+from wholearm_ros.ros.node.run import run_node
+class Stuck(WholeArmNode):
+    def destroy_node(self):
+        ctypes.PyDLL(None).sleep(60)
+run_node(lambda: Stuck('stuck', ()))
+"""
+
+
+def test_a_node_whose_middleware_keeps_the_interpreter_is_ended_by_the_kernel(graph):
+    """PyDLL calls what waits without letting other threads run, as the middleware was seen to."""
+    said = graph.listen(channels.DIAGNOSTICS)
+    process = subprocess.Popen([sys.executable, '-c', STUCK])
+    graph.wait(lambda: any('stuck' in s.name for m in said for s in m.status), 'stuck', WAIT)
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(WITHIN) == -signal.SIGALRM
+
+
 def _state(pid):
     """The letter of a process's state, '' when it is gone."""
     stat = Path(f'/proc/{pid}/stat')

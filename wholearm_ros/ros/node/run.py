@@ -21,6 +21,7 @@ from wholearm_ros.ros.node.node import LEAVE_WITHIN, WholeArmNode
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SIGNAL_PERIOD = 0.05  # [s] between two looks at whether a signal came
+GONE_WITHIN = 1.5  # [s] for the middleware to take the node apart, then the kernel ends the process
 
 
 class Ending:
@@ -59,6 +60,14 @@ def end_process(code: int) -> NoReturn:
     os._exit(code)
 
 
+def _end_within(seconds: float) -> None:
+    """By the kernel: the middleware was seen to wait for ever and keep the interpreter's lock, with
+    which no thread of ours can end the process.
+    """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
 def run_node(
     make_node: Callable[[], WholeArmNode],
     args: Optional[list[str]] = None,
@@ -84,6 +93,7 @@ def run_node(
     gc.freeze()  # what is there stays: no collection of it holds up the loop
     _spin(executor, node, ending)
     node.leave()
+    _end_within(GONE_WITHIN)
     executor.shutdown(timeout_sec=0.0)
     node.destroy_node()  # type: ignore[no-untyped-call]  # others see it go
     rclpy.try_shutdown()
