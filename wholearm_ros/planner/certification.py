@@ -22,6 +22,9 @@ from wholearm_ros.trajectory.main_trajectory import generate
 
 STREAM = 59  # of the random numbers: apart from those of the samples that candidates are chosen on
 IN_A_ROW = 61  # likewise, of several turns
+HARDER = 67  # likewise, with larger errors
+HARDER_LEVELS = (2.0, 3.0)
+HARDER_SAMPLES = 50  # at each of them
 
 
 class Certification:
@@ -75,6 +78,24 @@ class Certification:
             if lower_bound(r.certificate_samples, possible) < r.min_success or self.watch.over():
                 break
         return certificate(r.certificate_level, done, survived, r.hand_errors)
+
+
+def harder_rollouts(
+    candidate: Candidate, scenario: Scenario, request: PlanRequest, controls: ControlOptions
+) -> list[Rollout]:
+    """On samples with larger errors than those of the certificate, so that some of them fail."""
+    found: list[Rollout] = []
+    for number, level in enumerate(HARDER_LEVELS):
+        samples = build_perturbed_samples(
+            scenario,
+            HARDER_SAMPLES,
+            level,
+            (request.seed, HARDER, number),
+            request.hand_errors,
+            request.start_x_error,
+        )[1:]
+        found.extend(parallel_rollouts(candidate.trajectory, samples, controls))
+    return found
 
 
 def certify_in_a_row(
