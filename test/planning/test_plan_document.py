@@ -1,6 +1,7 @@
 """The document wholearm-contact-plan/1: there and back without loss, and whatever is damaged is refused."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,8 +26,10 @@ DOCUMENT = json.loads(TEXT)
         plan(SQUARE),
         plan(ASYMMETRIC.mirrored()),
         PLAN.with_execution({'torque_margin': 1.5}),
+        replace(PLAN, courses=np.ones((3, 4, 2)), strayed=np.zeros((2, 4, 2))),
+        replace(PLAN, courses=np.ones((3, 4, 2)), strayed=np.empty((0, 4, 2))),
     ],
-    ids=['best', 'random', 'none', 'clockwise', 'executed'],
+    ids=['best', 'random', 'none', 'clockwise', 'executed', 'strayed', 'none strayed'],
 )
 def test_a_plan_survives_its_document(made):
     """The same bytes, id and arrays."""

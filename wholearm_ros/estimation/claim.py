@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wholearm_ros.estimation.course import FAIRLY_NEAR, NEAR, nearest_course
+from wholearm_ros.estimation.course import went_as_planned
 from wholearm_ros.estimation.feel import Candidate, Feeler, Felt, fits
 from wholearm_ros.model.goal import goal_region
 from wholearm_ros.model.outcomes import (
@@ -144,8 +144,7 @@ def kept_to_plan(
     counts, too: the band by itself leaves it open whether the object slipped back by an edge.
     """
     if feeler.symmetric:
-        near = nearest_course(course, trajectory.courses)
-        return near < NEAR or (near < FAIRLY_NEAR and in_band)
+        return went_as_planned(course, trajectory.courses, trajectory.strayed, in_band)
     return in_band
 
 

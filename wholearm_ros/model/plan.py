@@ -121,8 +121,8 @@ class ContactPlan:
     path: numbers of those on the route, X_init first; legs: along it; cost: of the route, by name;
     execution: options of Phase 2 chosen by verification, {} for the defaults; certificate: how
     surely it succeeds, None when none was asked for; band, courses: of the fingers in the surviving
-    samples; then: the turns that are meant to follow, each from where the one before ends; overall:
-    the certificate of all of them in a row.
+    samples; strayed: courses of samples that ended elsewhere; then: the turns that are meant to
+    follow, each from where the one before ends; overall: the certificate of all of them in a row.
     """
 
     scenario: Scenario
@@ -139,12 +139,14 @@ class ContactPlan:
     certificate: Certificate | None = None
     band: Band | None = None
     courses: np.ndarray | None = None
+    strayed: np.ndarray | None = None
     then: 'tuple[ContactPlan, ...]' = ()
     overall: Certificate | None = None
 
     def __post_init__(self) -> None:
-        if self.courses is not None:
-            object.__setattr__(self, 'courses', readonly(self.courses, (-1, -1, 2)))
+        for name in ('courses', 'strayed'):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, readonly(getattr(self, name), (-1, -1, 2)))
 
     @property
     def found(self) -> bool:
@@ -207,6 +209,7 @@ class ContactPlan:
             **({'certificate': self.certificate.to_dict()} if self.certificate else {}),
             **({'band': self.band.to_dict()} if self.band else {}),
             **({} if self.courses is None else {'courses': self.courses.tolist()}),
+            **({} if self.strayed is None else {'strayed': self.strayed.tolist()}),
             **({'then': [turn._content() for turn in self.then]} if self.then else {}),
             **({'overall': self.overall.to_dict()} if self.overall else {}),
         }
@@ -251,6 +254,7 @@ class ContactPlan:
             Certificate(**d['certificate']) if d.get('certificate') else None,
             Band.from_dict(d['band']) if d.get('band') else None,
             d.get('courses'),
+            (d['strayed'] or np.empty((0, 0, 2))) if 'strayed' in d else None,
             tuple(map(cls._from_content, d.get('then', ()))),
             Certificate(**d['overall']) if d.get('overall') else None,
         )

@@ -92,7 +92,7 @@ class ManipulationTrajectory:
     [m] and rotation [rad]. segments: in order, without gaps, from 0 to the last sample's time.
     probe: the motion that feels what came of it, None for none. band: of the finger angles in the
     rollouts that ended at the goal, None when it is not known.
-    courses: (k, r, 2) [rad] of the plan, see ContactPlan; no part of the document.
+    courses, strayed: (k, r, 2) [rad] of the plan, see ContactPlan; no part of the document.
     """
 
     plan_id: str
@@ -109,6 +109,7 @@ class ManipulationTrajectory:
     probe: Probe | None = None
     band: Band | None = None
     courses: np.ndarray | None = None
+    strayed: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         for name, width in (('angles', 2), ('velocities', 2), ('efforts', 2), ('poses', 3)):

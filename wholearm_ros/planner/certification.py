@@ -12,6 +12,7 @@ from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.evaluation import Candidate
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.stopwatch import VERIFY, Stopwatch
+from wholearm_ros.rollout.courses import has_strayed
 from wholearm_ros.rollout.perturbed_samples import (
     PerturbedSample,
     build_perturbed_samples,
@@ -22,6 +23,10 @@ from wholearm_ros.trajectory.main_trajectory import generate
 
 STREAM = 59  # of the random numbers: apart from those of the samples that candidates are chosen on
 IN_A_ROW = 61  # likewise, of several turns
+HARDER = 67  # likewise, with larger errors
+HARDER_LEVELS = (2.0, 3.0, 4.0, 6.0)
+FEW = 5  # samples that stray: with fewer, the next level is tried, too
+HARDER_SAMPLES = 50  # at each of them
 
 
 class Certification:
@@ -75,6 +80,26 @@ class Certification:
             if lower_bound(r.certificate_samples, possible) < r.min_success or self.watch.over():
                 break
         return certificate(r.certificate_level, done, survived, r.hand_errors)
+
+
+def harder_rollouts(
+    candidate: Candidate, scenario: Scenario, request: PlanRequest, controls: ControlOptions
+) -> list[Rollout]:
+    """On samples with larger errors than those of the certificate, so that some of them stray."""
+    found: list[Rollout] = []
+    for number, level in enumerate(HARDER_LEVELS):
+        if sum(has_strayed(scenario, rollout) for rollout in found) >= FEW:
+            break
+        samples = build_perturbed_samples(
+            scenario,
+            HARDER_SAMPLES,
+            level,
+            (request.seed, HARDER, number),
+            request.hand_errors,
+            request.start_x_error,
+        )[1:]
+        found.extend(parallel_rollouts(candidate.trajectory, samples, controls))
+    return found
 
 
 def certify_in_a_row(

@@ -12,14 +12,15 @@ from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.errors import ScenarioError
 from wholearm_ros.model.orientation import directed
 from wholearm_ros.model.plan import ContactPlan
+from wholearm_ros.model.polygon import ALIKE, edges_look_alike
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.planner.candidates import RouteSource, route_sources
-from wholearm_ros.planner.certification import Certification
+from wholearm_ros.planner.certification import Certification, harder_rollouts
 from wholearm_ros.planner.evaluation import Candidate, Evaluation
 from wholearm_ros.planner.refinement import refine_transitions
 from wholearm_ros.planner.refusal import better_way, refusal
 from wholearm_ros.planner.request import PlanRequest, PlanResult
-from wholearm_ros.planner.stopwatch import PLAN, Stopwatch
+from wholearm_ros.planner.stopwatch import PLAN, VERIFY, Stopwatch
 from wholearm_ros.rollout.band import build_band
 from wholearm_ros.rollout.courses import build_courses
 from wholearm_ros.trajectory.check_dwell import check_dwells
@@ -130,8 +131,14 @@ def _certified(
         plan = replace(plan, certificate=certificate)
         rollouts.extend(certification.rollouts)
     band = build_band(candidate.trajectory, rollouts)
-    courses = build_courses(evaluation.scenario, rollouts)
-    plan = replace(plan, band=band, courses=courses)
+    courses, strayed = None, None
+    if edges_look_alike(evaluation.scenario.object.polygon, ALIKE):
+        with evaluation.watch.stage(VERIFY):
+            rollouts += harder_rollouts(
+                candidate, evaluation.scenario, request, evaluation.controls
+            )
+        courses, strayed = build_courses(evaluation.scenario, rollouts)
+    plan = replace(plan, band=band, courses=courses, strayed=strayed)
     dwells = check_dwells(evaluation.scenario, candidate.trajectory)
     record = {
         **candidate.verification.to_dict(),
@@ -141,6 +148,11 @@ def _certified(
         'candidates_tried': evaluation.tried,
     }
     trajectory = replace(
-        candidate.trajectory, plan_id=plan.id, verification=record, band=band, courses=courses
+        candidate.trajectory,
+        plan_id=plan.id,
+        verification=record,
+        band=band,
+        courses=courses,
+        strayed=strayed,
     )
     return PlanResult(plan, trajectory, watch.timings, candidate.verification)

@@ -42,7 +42,7 @@ def generate(
         trajectory = mirror_trajectory(ccw, scenario)
     else:
         trajectory = _generate(scenario, plan, options, plan.id)
-    return replace(trajectory, band=band, courses=plan.courses)
+    return replace(trajectory, band=band, courses=plan.courses, strayed=plan.strayed)
 
 
 def _generate(
