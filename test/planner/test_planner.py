@@ -176,3 +176,13 @@ def test_where_the_first_routes_share_a_poor_way_the_search_goes_on_to_one_witho
     """Two of twelve samples are lost on an arc that the first ones share."""
     plan = plan_and_verify(LEANING, PlanRequest(hand_errors=0.0, moves=12000)).plan
     assert plan.found and plan.certificate.lower_bound >= PlanRequest().min_success
+
+
+def test_a_start_at_the_edge_of_reach_is_planned_or_refused():
+    """From some of the places where it may truly lie a finger is out of reach; it is closed as far as it goes."""
+    scenario = replace(ASYMMETRIC, start=StartOnEdge(0, -0.094))
+    samples = build_perturbed_samples(scenario, 20, 1.0, 0, start_x_error=0.006)
+    closed = scenario.hand.right.angle_limits[1]
+    assert 0 < sum(sample.start[4] == closed for sample in samples) < 20
+    result = plan_and_verify(scenario, PlanRequest(moves=50, start_x_error=0.006))
+    assert result.trajectory is None and result.plan.reason

@@ -11,7 +11,7 @@ from wholearm_ros.errors import ScenarioError
 from wholearm_ros.kernels import geometry
 from wholearm_ros.mechanics.world import World, build_world
 from wholearm_ros.model.configuration import SIZE
-from wholearm_ros.model.hand import LEFT, RIGHT, SIDES
+from wholearm_ros.model.hand import CLOSING, LEFT, RIGHT, SIDES
 from wholearm_ros.model.orientation import palm_angle_under, palm_segment_under, start_rotation
 from wholearm_ros.model.polygon import pose_on_edge
 from wholearm_ros.model.scenario import Scenario, StartAtPose
@@ -178,14 +178,21 @@ def close_finger(world: World, pose: np.ndarray, side: int) -> float:
     return angle
 
 
+def _close_as_far_as_it_goes(world: World, pose: np.ndarray, side: int) -> float:
+    """The `closing_angle`, or the closed limit."""
+    angle = closing_angle(world, pose, side)
+    return float(world.limits[side][int(CLOSING[side] > 0.0)]) if np.isnan(angle) else angle
+
+
 def start_configuration(
-    scenario: Scenario, world: World | None = None, lifted: bool = False
+    scenario: Scenario, world: World | None = None, in_truth: bool = False
 ) -> np.ndarray:
     """q (5,) at the start: the object at rest on the palm, the fingers closed on it.
 
-    Of a start at a pose, what nearly touches touches: poses are written with few digits. lifted:
-    whether an object on an edge that would penetrate another segment of the palm is set down above
-    it.
+    Of a start at a pose, what nearly touches touches: poses are written with few digits.
+    in_truth: of an object on an edge that is not quite where it was told to be: it is set down
+    above what it would penetrate of the palm, and a finger out of whose reach it is is closed as
+    far as that goes.
 
     Raises ScenarioError when a finger cannot touch the object, or the start penetrates the hand.
     """
@@ -197,11 +204,10 @@ def start_configuration(
         pose = pose_on_palm(
             world, start.x, start_rotation(scenario), palm_segment_under(scenario.palm, start.x)
         )
-        if lifted:
+        if in_truth:
             pose[1] += _height_missing(world, pose)
-        q = np.concatenate(
-            [pose, [close_finger(world, pose, LEFT), close_finger(world, pose, RIGHT)]]
-        )
+        close = _close_as_far_as_it_goes if in_truth else close_finger
+        q = np.concatenate([pose, [close(world, pose, LEFT), close(world, pose, RIGHT)]])
     depth, pair = deepest_penetration(world, q)
     if depth > DEEPEST_START:
         raise ScenarioError(

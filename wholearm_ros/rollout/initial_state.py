@@ -22,7 +22,7 @@ def perturbed_start(told: Scenario, truth: Scenario, true_world: World | None = 
     """
     true_world = true_world or build_world(truth)
     if not isinstance(truth.start, StartAtPose):
-        return start_configuration(truth, true_world, lifted=True)
+        return start_configuration(truth, true_world, in_truth=True)
     q = start_configuration(told).copy()
     told_world = build_world(told)
     segment = palm_segment_under(truth.palm, q[0])
