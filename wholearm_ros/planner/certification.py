@@ -65,21 +65,15 @@ class Certification:
         time is spent.
         """
         r, self.rollouts = self.request, []
-        samples = build_perturbed_samples(
-            self.scenario,
-            r.certificate_samples,
-            r.certificate_level,
-            (r.seed, STREAM, self.refused),
-            r.hand_errors,
-            r.start_x_error,
-        )[1:]
+        count, level = r.certificate_samples, r.certificate_level
+        samples = _fresh_samples(self.scenario, r, count, level, (STREAM, self.refused))
         for rollout in parallel_rollouts(candidate.trajectory, samples, self.controls):
             self.rollouts.append(rollout)
             done, survived = len(self.rollouts), sum(r.success for r in self.rollouts)
-            possible = survived + r.certificate_samples - done
-            if lower_bound(r.certificate_samples, possible) < r.min_success or self.watch.over():
+            possible = survived + count - done
+            if lower_bound(count, possible) < r.min_success or self.watch.over():
                 break
-        return certificate(r.certificate_level, done, survived, r.hand_errors)
+        return certificate(level, done, survived, r.hand_errors)
 
 
 def harder_rollouts(
@@ -90,16 +84,17 @@ def harder_rollouts(
     for number, level in enumerate(HARDER_LEVELS):
         if sum(has_strayed(scenario, rollout) for rollout in found) >= FEW:
             break
-        samples = build_perturbed_samples(
-            scenario,
-            HARDER_SAMPLES,
-            level,
-            (request.seed, HARDER, number),
-            request.hand_errors,
-            request.start_x_error,
-        )[1:]
+        samples = _fresh_samples(scenario, request, HARDER_SAMPLES, level, (HARDER, number))
         found.extend(parallel_rollouts(candidate.trajectory, samples, controls))
     return found
+
+
+def _fresh_samples(
+    scenario: Scenario, request: PlanRequest, count: int, level: float, stream: tuple[int, ...]
+) -> Sequence[PerturbedSample]:
+    """Perturbed ones alone, of a stream of random numbers of their own."""
+    seed, errors, x_error = (request.seed, *stream), request.hand_errors, request.start_x_error
+    return build_perturbed_samples(scenario, count, level, seed, errors, x_error)[1:]
 
 
 def certify_in_a_row(

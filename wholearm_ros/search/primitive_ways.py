@@ -61,8 +61,8 @@ class PrimitiveWays:
             later = PRIMITIVE_PRICE + number * STYLE_PRICE
             price = self.tree.price_at(k, self.tree.states[k].rest.q) + later
             self.tree.push(k, price, partial(self._try, k, style, later))
+        price = self.tree.states[k].paid + FLING_PRICE
         for kind in (GENTLE, THROWS):
-            price = self.tree.states[k].paid + FLING_PRICE
             self.tree.push(k, price, partial(self._fling, k, kind))
 
     def _try(self, k: int, style: Style, later: float) -> None:
