@@ -15,8 +15,8 @@ from wholearm_ros.cli.options import (
     SuccessOption,
     output_file,
 )
-from wholearm_ros.cli.output import err, finish, out, print_plain, write_json
-from wholearm_ros.cli.planning import load_asked
+from wholearm_ros.cli.output import finish, out, print_plain, write_json
+from wholearm_ros.cli.planning import load_asked, planning_shown
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner import advice
@@ -57,7 +57,7 @@ def advise(
     """
     asked = load_asked(scenario, goal_edge)
     request = PlanRequest(seed=seed, time_budget=min(each, time_budget), min_success=min_success)
-    with err.status('planning') as status:
+    with planning_shown() as status:
         plain = LegPlanner(request, MapStore(asked)).plan(asked)
         _tell(AS_IT_IS, plain)
         tried: list[Trial] = []

@@ -2,9 +2,12 @@
 printed.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from rich.markup import escape
+from rich.status import Status
 
 from wholearm_ros.cli.output import err, out, print_plain
 from wholearm_ros.errors import WholeArmError
@@ -17,6 +20,7 @@ from wholearm_ros.package_share import scenario_path
 from wholearm_ros.planner.legs import LegPlanner
 from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest, PlanResult
+from wholearm_ros.planner.warm import warm
 from wholearm_ros.rollout.verification import Verification
 from wholearm_ros.suite.suite_file import MAX_BYTES
 from wholearm_ros.trajectory.main_trajectory import generate
@@ -34,9 +38,20 @@ def load_asked(name: str, goal_edge: int | None) -> Scenario:
     )
 
 
+@contextmanager
+def planning_shown() -> Iterator[Status]:
+    """That something is being planned, on the terminal. Kernels are loaded first: where they have
+    yet to be compiled, no time budget pays for it.
+    """
+    with err.status('loading kernels (the first time they are compiled, for a minute)') as status:
+        warm()
+        status.update('planning')
+        yield status
+
+
 def plan_scenario(scenario: Scenario, request: PlanRequest) -> PlanResult:
     """Plan a scenario, from its object's map where there is one, and print what was found."""
-    with err.status('planning') as status:
+    with planning_shown() as status:
         result = LegPlanner(request, MapStore(scenario)).plan(
             scenario, lambda line: status.update(f'planning: {escape(line)}')
         )
