@@ -37,14 +37,19 @@ def test_holding_bears_the_weight_and_draws_back_to_where_it_began():
     assert abs(held.torques(4, at(9.0, -9.0))).tolist() == [7.0, 7.0]
 
 
-def test_each_hold_begins_where_the_fingers_are():
+def test_each_hold_begins_where_the_fingers_are_with_what_they_bore():
     guard, held = drives()
     held.torques(0, at(1.0, 2.0))
-    for joint in (0, 1):
-        guard.command(joint, MS, 1.0, MS)
-    assert held.torques(MS, at(1.4, 1.8)).tolist() == [1.0, 1.0]
-    assert np.allclose(held.torques(17 * MS, at(1.5, 1.7)), WEIGHTS * np.cos([1.5, 1.7]))
+    for joint, torque in enumerate((3.0, -2.0)):
+        guard.command(joint, MS, torque, MS)
+    assert held.torques(MS, at(1.4, 1.8)).tolist() == [3.0, -2.0]
+    assert np.allclose(held.torques(17 * MS, at(1.5, 1.7)), [3.0, -2.0])
+    moved = held.torques(18 * MS, at(1.6, 1.7))
+    weight = WEIGHTS[0] * (np.cos(1.6) - np.cos(1.5))
+    assert np.allclose(moved, [3.0 - 10.0 * 0.1 + weight, -2.0])
     assert held.torques(600 * MS, at(1.5, 1.7)).tolist() == [0.0, 0.0]
+    guard.reset(601 * MS)
+    assert np.allclose(held.torques(601 * MS, at(1.5, 1.7)), WEIGHTS * np.cos([1.5, 1.7]))
 
 
 def test_without_joints_there_is_no_torque_even_where_fresh_commands_are():

@@ -23,8 +23,10 @@ from wholearm_ros.planner.map_store import MapStore
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.planning.routes import plan
+from wholearm_ros.report.figures.graph_layout import lay_out
 from wholearm_ros.suite.execution import execute
 from wholearm_ros.suite.suite_options import SuiteOptions
+from wholearm_ros.trajectory.main_trajectory import generate
 
 SCENARIO = load_scenario('asymmetric_hexagon')
 OPTIONS = MapOptions(PlanRequest(certificate_samples=20, min_success=0.5))
@@ -40,6 +42,19 @@ def way(route, start, x, goal, end_x, survived, direction=CCW):
     certified = replace(route, certificate=certificate(1.0, 59, survived))
     end = StartOnEdge(goal, end_x)
     return Way(StartOnEdge(start, x), 0.006, GoalOnEdge(goal, direction), end, certified)
+
+
+def test_a_route_alone_is_short_and_leads_to_the_same_motion(route):
+    alone = route.route_alone
+    assert len(route.subgoals) > len(alone.subgoals) and {s.number for s in alone.subgoals} == set(
+        route.path
+    )
+    before = {s.number: s.parent for s in alone.subgoals}
+    assert [before[n] for n in route.path] == [None, *route.path[:-1]]
+    assert lay_out(alone).route
+    again = ContactPlan.from_json(alone.to_json())
+    angles = [generate(SCENARIO, one).angles for one in (route, again)]
+    assert (angles[0] == angles[1]).all()
 
 
 def test_of_two_routes_the_surer_one_is_taken_even_when_it_is_longer(route):

@@ -213,6 +213,28 @@ def test_delay_holds_the_command_back_by_its_time(hand, backend):
     assert max(speeds[:3]) < 1e-6 < 1e-2 < speeds[3]
 
 
+def test_a_delayed_command_stays_what_it_was_while_its_array_is_used_again(hand):
+    h = hand('planar', q=FAR, perturbation=Perturbation(actuation_delay=0.003))
+    told, rates = np.zeros(2), []
+    for torque in (1.0, -1.0, -1.0, -1.0):
+        told[:] = torque
+        h.step(told)
+        rates.append(h.joints()[1][0])
+    assert rates[3] > 1e-2
+
+
+@EACH
+def test_fingers_that_are_held_go_on_bearing_what_they_bore(hand, backend):
+    """The last command squeezed the object by 3 N m: neither finger gives way when commands cease."""
+    h = hand(backend)
+    held_against(h, 3.0)
+    angles, pose = h.joints()[0].copy(), h.object_pose()
+    for _ in range(300):
+        h.step(None)
+    np.testing.assert_allclose(h.joints()[0], angles, atol=1e-3)
+    np.testing.assert_allclose(h.object_pose(), pose, atol=1e-3)
+
+
 @EACH
 @pytest.mark.parametrize('friction', [0.0, 0.05])
 def test_an_object_slides_down_a_sloping_palm_as_friction_lets_it(hand, backend, friction):

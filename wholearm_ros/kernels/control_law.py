@@ -79,3 +79,10 @@ def holding_effort(gains, weight, held, angle, velocity):
     compensated: the torque [N m] that bears it at `angle`.
     """
     return weight + gains.kp * (held - angle) - gains.kd * velocity
+
+
+def holding_angle(gains, weight, torque, angle):
+    """Where [rad] a joint at rest at `angle` has to be held for its holding to begin with `torque`
+    [N m], so that what it bears does not sink.
+    """
+    return angle + (torque - weight) / gains.kp

@@ -158,6 +158,14 @@ class ContactPlan:
         """The plan without the turns that follow."""
         return replace(self, then=(), overall=None) if self.then else self
 
+    @property
+    def route_alone(self) -> 'ContactPlan':
+        """The plan without the subgoals that the search found aside from its route."""
+        before = dict(zip(self.path[1:], self.path))
+        on_route = [s for s in self.subgoals if s.number in self.path]
+        chained = tuple(replace(s, parent=before.get(s.number)) for s in on_route)
+        return replace(self, subgoals=chained)
+
     @cached_property
     def id(self) -> str:
         """A UUID made of the content: equal plans have equal ids."""

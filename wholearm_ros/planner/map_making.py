@@ -169,7 +169,7 @@ def make_way(scenario: Scenario, options: MapOptions) -> Way | Refused:
         return Refused(start, goal, reason, request.moves if limited else None)
     ends = [r.configurations[-1, 0] for r in result.verification.rollouts if r.success]
     end = StartOnEdge(goal.edge, round(float(np.median(ends)), 5))
-    return Way(start, options.reach, goal, end, result.plan)
+    return Way(start, options.reach, goal, end, result.plan.route_alone)
 
 
 def between(scenario: Scenario, start: StartOnEdge, goal: GoalOnEdge) -> Scenario | None:

@@ -6,7 +6,7 @@ from typing import Optional
 import numpy as np
 
 from wholearm_ros.errors import HardwareError
-from wholearm_ros.kernels.control_law import HOLD_GAINS, holding_effort
+from wholearm_ros.kernels.control_law import HOLD_GAINS, holding_angle, holding_effort
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.weight import bearing_torques
@@ -16,7 +16,8 @@ class Drives:
     """Two motor drives. Commands act `actuation_delay` later, rounded to whole physics steps.
 
     Before the first command, and whenever the command is None, the drives hold the fingers where
-    they then are, their own weight compensated.
+    they then are, their own weight compensated; what the last command made them bear, they go on
+    bearing.
     """
 
     def __init__(self, scenario: Scenario, perturbation: Perturbation, dt: float) -> None:
@@ -32,6 +33,7 @@ class Drives:
         self._held: Optional[np.ndarray] = np.array(angles, dtype=float)
         self._waiting: deque[Optional[np.ndarray]] = deque([None] * self._delay)
         self.asked: np.ndarray = bearing_torques(self._weights, self._held)  # (2,) [N m]
+        self._borne = self.asked
 
     def torques(
         self, command: Optional[np.ndarray], angles: np.ndarray, velocities: np.ndarray
@@ -42,16 +44,17 @@ class Drives:
         when the command is not two finite numbers.
         """
         if command is not None:
-            command = np.asarray(command, dtype=float)
+            command = np.array(command, dtype=float)  # the caller's may change while it waits
             if command.shape != (2,) or not np.isfinite(command).all():
                 raise HardwareError(f'efforts: got {command.tolist()}; allowed: two finite numbers')
         self._waiting.append(command)
         acting = self._waiting.popleft()
         if acting is not None:
-            self._held = None
+            self._held, self._borne = None, acting
         else:
-            self._held = angles.copy() if self._held is None else self._held
             weight = bearing_torques(self._weights, angles)
+            if self._held is None:
+                self._held = holding_angle(HOLD_GAINS, weight, self._borne, angles)
             acting = holding_effort(HOLD_GAINS, weight, self._held, angles, velocities)
         self.asked = np.clip(acting if command is None else command, -self._limits, self._limits)
         torques: np.ndarray = np.clip(acting, -self._limits, self._limits) * self._factors
