@@ -5,6 +5,8 @@ from dataclasses import replace
 import pytest
 
 from wholearm_ros.model.certificate import certificate
+from wholearm_ros.model.outcomes import AT_GOAL, UNVERIFIED
+from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
@@ -25,6 +27,7 @@ from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.planning.routes import plan
 from wholearm_ros.report.figures.graph_layout import lay_out
 from wholearm_ros.suite.execution import execute
+from wholearm_ros.suite.session import HandSession, Pursuit
 from wholearm_ros.suite.suite_options import SuiteOptions
 from wholearm_ros.trajectory.main_trajectory import generate
 
@@ -250,6 +253,15 @@ def test_from_out_of_reach_of_every_turn_the_object_is_moved_along_the_palm_firs
     assert stop_of(asked, answer.plan.scenario) == slide
     without = LegPlanner(ARCS_ONLY, store, in_a_row=False).plan(asked).plan
     assert without.overall is None and without.then[0].id == made.plan.id
+    first = leg_of(asked, answer)
+    assert first.unfelt_end == made.start
+    options = SuiteOptions(ARCS_ONLY, backend='planar')
+    with HandSession(asked, NOMINAL, options) as session:
+        pursuit = Pursuit(asked, first, options)
+        pursuit.planner.maps = store
+        done = session.pursue(asked, pursuit)
+    assert [m.claim.outcome for m in done.motions] == [UNVERIFIED, AT_GOAL]
+    assert done.outcome == AT_GOAL and not done.motions[0].record.pairs
 
 
 def test_the_map_of_another_object_is_another_one(tmp_path):

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from wholearm_ros.estimation.claim import Claim
+from wholearm_ros.estimation.claim import Claim, unfelt_claim
 from wholearm_ros.estimation.feel import Candidate, Felt
 from wholearm_ros.model.orientation import directed
-from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, LYING, UNKNOWN
-from wholearm_ros.model.scenario import GoalOnEdge
+from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, LYING, UNKNOWN, UNVERIFIED
+from wholearm_ros.model.scenario import GoalOnEdge, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
 from wholearm_ros.planner.supervision import END, FEEL, FEELS, PLAN, Supervision
 
@@ -39,7 +39,7 @@ def test_it_plans_again_from_what_was_felt_until_the_attempts_are_spent():
 
 
 def test_from_where_it_was_felt_either_direction_will_do_and_the_shorter_turn_is_planned_first():
-    again = Supervision(SCENARIO).from_felt(elsewhere(edge=4))
+    again = Supervision(SCENARIO).onwards(StartOnEdge(4, 0.01))
     assert again.goal.direction is None
     assert [s.goal.direction for s in directed(again)] == ['cw', 'ccw']
 
@@ -52,6 +52,19 @@ def test_a_stop_on_the_way_costs_no_attempt():
     assert decision.scenario.start.edge == 1 and decision.scenario.goal == GoalOnEdge(5)
     supervision, decision = supervision.executed(elsewhere(edge=2), stop=GoalOnEdge(0, 'cw'))
     assert (decision.action, decision.outcome) == (END, ELSEWHERE)
+
+
+def test_a_slide_on_the_way_is_not_felt_unless_the_fingers_deviated():
+    slide, place = GoalOnEdge(0, None, 0.03, 0.012), StartOnEdge(0, 0.03)
+    unfelt = unfelt_claim('')
+    supervision, decision = Supervision(SCENARIO, 1).executed(unfelt, slide, place)
+    assert (decision.action, supervision.stops) == (PLAN, 1)
+    assert decision.scenario.start == place and decision.scenario.goal == GoalOnEdge(5)
+    assert supervision.no_plan('from there').outcome == UNKNOWN
+    _, decision = Supervision(SCENARIO, 1).executed(unfelt_claim('left 0.1 rad'), slide, place)
+    assert decision.action == FEEL
+    _, decision = Supervision(SCENARIO, 1).executed(Claim(UNVERIFIED, 'no probe was made'))
+    assert (decision.action, decision.outcome) == (END, UNVERIFIED)
 
 
 def test_a_stop_that_is_felt_only_at_the_second_probe_is_not_taken_for_the_goal():

@@ -135,6 +135,15 @@ def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Clai
     return Claim(AT_GOAL, f'felt {felt.describe()}', felt)
 
 
+def unfelt_claim(deviated: str) -> Claim:
+    """Of a slide whose end is not felt (`ContactPlan.unfelt_end`); deviated: what the monitor says
+    of the fingers, '' for nothing.
+    """
+    if deviated:
+        return Claim(UNKNOWN, f'not felt yet, and the fingers deviated: {deviated}')
+    return Claim(UNVERIFIED, 'led along the palm, to be felt after the turn that follows')
+
+
 def kept_to_plan(
     feeler: Feeler, trajectory: ManipulationTrajectory, course: np.ndarray, in_band: bool
 ) -> bool:

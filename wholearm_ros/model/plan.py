@@ -12,7 +12,7 @@ from wholearm_ros.errors import DocumentError, ScenarioError
 from wholearm_ros.model.arrays import readonly
 from wholearm_ros.model.band import Band
 from wholearm_ros.model.certificate import Certificate
-from wholearm_ros.model.scenario import Scenario
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import parse_scenario, scenario_to_dict
 
 FORMAT = 'wholearm-contact-plan/1'
@@ -157,6 +157,18 @@ class ContactPlan:
     def turn(self) -> 'ContactPlan':
         """The plan without the turns that follow."""
         return replace(self, then=(), overall=None) if self.then else self
+
+    @property
+    def unfelt_end(self) -> StartOnEdge | None:
+        """Where the turn that follows a slide begins, None for other plans. The end of such a slide
+        is not felt: the object lies on the edge on which it lay, between both fingers, and a probe
+        may lead it away from there again.
+        """
+        start, goal = self.scenario.start, self.scenario.goal
+        if not self.then or not isinstance(start, StartOnEdge) or not isinstance(goal, GoalOnEdge):
+            return None
+        follows = self.then[0].scenario.start
+        return follows if goal.edge == start.edge and isinstance(follows, StartOnEdge) else None
 
     @property
     def route_alone(self) -> 'ContactPlan':

@@ -16,7 +16,7 @@ from wholearm_ros.estimation.claim import Claim
 from wholearm_ros.model import modes
 from wholearm_ros.model.outcomes import AT_GOAL, UNVERIFIED
 from wholearm_ros.model.plan import ContactPlan
-from wholearm_ros.model.scenario import GoalOnEdge, Scenario
+from wholearm_ros.model.scenario import GoalOnEdge, Scenario, StartOnEdge
 from wholearm_ros.model.scenario_file import scenario_to_dict
 from wholearm_ros.planner.supervision import END, FEEL, MAX_ATTEMPTS, Decision, Supervision, stop_of
 from wholearm_ros.ros.interface import channels
@@ -74,7 +74,9 @@ class Reorientation(WholeArmNode):
         self.phase, self.round = '', 0
         self.asked: Scenario | None = None  # what the planner was asked for
         self.stop: GoalOnEdge | None = None  # where what is executed ends, if not at the goal
+        self.unfelt_end: StartOnEdge | None = None  # and where, if that is not felt
         self.stop_of_plan: GoalOnEdge | None = None  # likewise of the newest plan
+        self.unfelt_end_of_plan: StartOnEdge | None = None
         self.wanted = ''  # beginning of the id of the plan that shall be executed
         self.plan_id = self.trajectory_of = ''  # newest plan, and the plan of the newest trajectory
         self.sent: tuple[bytes, int] | None = None  # id and request stamp of the generator's goal
@@ -228,6 +230,7 @@ class Reorientation(WholeArmNode):
         self.plan_id = plan.id if plan else ''
         if self.asked is not None and plan is not None:
             self.stop_of_plan = stop_of(self.asked, plan.scenario)
+            self.unfelt_end_of_plan = plan.unfelt_end
             if self.phase == modes.PLANNING and _same_start(self.asked, plan.scenario):
                 self.wanted, self.planner_is_busy = self.plan_id, False
         self.send_when_ready()
@@ -241,7 +244,7 @@ class Reorientation(WholeArmNode):
         """The generator's goal, as soon as plan and trajectory are those that were answered."""
         ready = self.wanted and self.plan_id.startswith(self.wanted)
         if ready and self.trajectory_of == self.plan_id and self.phase == modes.PLANNING:
-            self.stop = self.stop_of_plan
+            self.stop, self.unfelt_end = self.stop_of_plan, self.unfelt_end_of_plan
             self.send(to_goal_id(self.plan_id), modes.EXECUTING)
 
     def send(self, goal: bytes, phase: str) -> None:
@@ -275,7 +278,7 @@ class Reorientation(WholeArmNode):
             self.end(CANCELED if ended_by_cancel else ABORTED, values.get('reason', ''))
             return
         if planned:
-            self.supervision, decision = self.supervision.executed(said, self.stop)
+            self.supervision, decision = self.supervision.executed(said, self.stop, self.unfelt_end)
         else:
             self.supervision, decision = self.supervision.felt(said)
         self.decide(decision)

@@ -12,7 +12,7 @@ from action_msgs.msg import GoalInfo
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
-from wholearm_ros.estimation.claim import Claim, reported_as_kept, reported_claim
+from wholearm_ros.estimation.claim import Claim, reported_as_kept, reported_claim, unfelt_claim
 from wholearm_ros.estimation.feel import Feeler, Felt
 from wholearm_ros.estimation.hold import hold_to_feel
 from wholearm_ros.estimation.probe_plan import probe_after
@@ -86,6 +86,7 @@ class TrajectoryGenerator(WholeArmNode):
         )
         self.trajectory: ManipulationTrajectory | None = None  # of the newest plan
         self.plan_id: bytes | None = None
+        self.unfelt = False  # whether the end of the newest plan is not to be felt
         self.executed: ManipulationTrajectory | None = None  # of the last goal
         self.published: bytes | None = None  # plan id of the newest trajectory
         self.early: EarlyGoal | None = None
@@ -113,7 +114,9 @@ class TrajectoryGenerator(WholeArmNode):
         plan = ContactPlan.from_json(message.data)
         self.feeler, self.scenario = Feeler(plan.scenario), plan.scenario
         trajectory = generate(plan.scenario, plan)
-        trajectory = replace(trajectory, probe=probe_after(self.feeler, trajectory))
+        self.unfelt = plan.unfelt_end is not None
+        if not self.unfelt:
+            trajectory = replace(trajectory, probe=probe_after(self.feeler, trajectory))
         self.trajectory = trajectory
         self.plan_id = to_goal_id(plan.id)
         now = self.get_clock().now().to_msg()
@@ -232,16 +235,7 @@ class TrajectoryGenerator(WholeArmNode):
         """The active goal's end in a final mode; when it is done, what was felt decides."""
         executed = self.executed
         if mode == DONE and executed:
-            if executed is self.trajectory:
-                self.kept = reported_as_kept(self.feeler, executed, self.progress)
-            self.claimed = reported_claim(
-                self.feeler,
-                self.scenario,
-                executed.probe,
-                self.progress,
-                self.kept,
-                self.felt_before,
-            )
+            self.claimed = self.claim_of(executed)
             reached = self.claimed.outcome in (AT_GOAL, UNVERIFIED)
             self.end(SUCCEEDED if reached else ABORTED, self.claimed.reason)
         else:
@@ -249,6 +243,16 @@ class TrajectoryGenerator(WholeArmNode):
             if self.progress.get('stopped by motion') == str(True) and not canceling:
                 self.claimed = Claim(UNKNOWN, f'stopped: {reason}')  # the hand may feel, and go on
             self.end(CANCELED if canceling else ABORTED, reason)
+
+    def claim_of(self, executed: ManipulationTrajectory) -> Claim:
+        """What may be said of the end of a trajectory that was led to it."""
+        if executed is self.trajectory:
+            self.kept = reported_as_kept(self.feeler, executed, self.progress)
+            if self.unfelt:
+                return unfelt_claim(self.progress.get('deviated', ''))
+        return reported_claim(
+            self.feeler, self.scenario, executed.probe, self.progress, self.kept, self.felt_before
+        )
 
     def end(self, status: int, reason: str) -> None:
         """The active goal's, with its result."""

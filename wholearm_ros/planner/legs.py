@@ -34,6 +34,11 @@ class Leg:
     stop: GoalOnEdge | None = None
     plan: ContactPlan | None = None
 
+    @property
+    def unfelt_end(self) -> StartOnEdge | None:
+        """Of its plan."""
+        return self.plan.unfelt_end if self.plan else None
+
 
 class LegPlanner:
     """Plans leg after leg of one object in one hand, and remembers the turns that were found on the

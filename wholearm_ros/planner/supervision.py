@@ -52,11 +52,16 @@ class Supervision:
         return Decision(PLAN, scenario=self.scenario)
 
     def executed(
-        self, claim: Claim, stop: GoalOnEdge | None = None
+        self, claim: Claim, stop: GoalOnEdge | None = None, unfelt_end: StartOnEdge | None = None
     ) -> 'tuple[Supervision, Decision]':
-        """After a trajectory and its probe; stop: where it should end when that is not the goal."""
+        """After a trajectory and its probe; stop: where it should end when that is not the goal;
+        unfelt_end: where it ended if it went as planned and was not to be felt.
+        """
         begun = replace(self, attempts=self.attempts + 1, stop=stop, feels=0)
-        return begun.felt(claim)
+        if unfelt_end is None or claim.outcome != UNVERIFIED:
+            return begun.felt(claim)
+        arrived = replace(begun, stops=self.stops + 1, claims=(*self.claims, claim))
+        return arrived._go_on(claim, unfelt_end)
 
     def felt(self, claim: Claim) -> 'tuple[Supervision, Decision]':
         """After a probe alone, or that of a trajectory; the claim is of where the last one should
@@ -70,20 +75,19 @@ class Supervision:
         if self._fulfilled(claim):
             return after, Decision(END, AT_GOAL, claim.reason)
         arrived = self.stop is not None and claim.outcome == AT_GOAL
-        return replace(after, stops=self.stops + arrived)._go_on(claim)
+        return replace(after, stops=self.stops + arrived)._go_on(claim, _felt_place(claim))
 
     def no_plan(self, reason: str) -> Decision:
         """When the scenario cannot be planned."""
         last: Claim | None = self.claims[-1] if self.claims else None
         where = f'; {last.reason}' if last else ''
-        outcome = last.outcome if last and last.outcome != AT_GOAL else ELSEWHERE
-        return Decision(END, outcome if last else UNKNOWN, f'no plan: {reason}{where}')
+        outcome = last.outcome if last else UNKNOWN
+        outcome = {AT_GOAL: ELSEWHERE, UNVERIFIED: UNKNOWN}.get(outcome, outcome)
+        return Decision(END, outcome, f'no plan: {reason}{where}')
 
-    def from_felt(self, claim: Claim) -> Scenario:
-        """The scenario from where the object was felt, to its goal in either direction."""
-        assert claim.felt is not None
-        best = claim.felt.best
-        moved = replace(self.scenario, start=StartOnEdge(best.edges[0], best.x))
+    def onwards(self, place: StartOnEdge) -> Scenario:
+        """The scenario from where the object lies, to its goal in either direction."""
+        moved = replace(self.scenario, start=place)
         if isinstance(moved.goal, GoalAtPose):
             return moved
         return replace(moved, goal=replace(moved.goal, direction=None))
@@ -96,13 +100,13 @@ class Supervision:
             if after.feels < FEELS:
                 return after, Decision(FEEL)
             return after, Decision(END, UNKNOWN, claim.reason)
-        return replace(after, feels=0)._go_on(claim)
+        return replace(after, feels=0)._go_on(claim, _felt_place(claim))
 
-    def _go_on(self, claim: Claim) -> 'tuple[Supervision, Decision]':
-        """From where the object was surely felt."""
+    def _go_on(self, claim: Claim, place: StartOnEdge) -> 'tuple[Supervision, Decision]':
+        """From where the object surely lies."""
         if self.attempts - self.stops >= self.max_attempts or self.stops > MOST_STOPS:
             return self, Decision(END, ELSEWHERE, claim.reason)
-        return self, Decision(PLAN, scenario=self.from_felt(claim))
+        return self, Decision(PLAN, scenario=self.onwards(place))
 
     def _fulfilled(self, claim: Claim) -> bool:
         """Whether what was felt at a stop, or short of it, is the goal already."""
@@ -112,6 +116,12 @@ class Supervision:
         region, best = goal_region(self.scenario), claim.felt.best
         there = goal.x is None or abs(best.x - region.target[0]) <= region.tolerance[0]
         return goal.edge == best.edges[0] and bool(there)
+
+
+def _felt_place(claim: Claim) -> StartOnEdge:
+    """Where a claim that is sure has the object."""
+    assert claim.felt is not None
+    return StartOnEdge(claim.felt.best.edges[0], claim.felt.best.x)
 
 
 def stop_of(asked: Scenario, planned: Scenario) -> GoalOnEdge | None:

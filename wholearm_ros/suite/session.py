@@ -8,7 +8,7 @@ from types import TracebackType
 import numpy as np
 
 from wholearm_ros.control.execution import Execution
-from wholearm_ros.estimation.claim import Claim, claim, kept_to_plan
+from wholearm_ros.estimation.claim import Claim, claim, kept_to_plan, unfelt_claim
 from wholearm_ros.estimation.feel import Feeler
 from wholearm_ros.estimation.hold import hold_to_feel
 from wholearm_ros.estimation.probe_plan import probe_after
@@ -100,9 +100,10 @@ class HandSession:
                 decision = supervision.no_plan('from where the object lies')
                 continue
             told = leg.scenario
-            said = self._lead(leg.trajectory, told, planned=True)
-            pursuit.happened(leg, said.outcome == AT_GOAL)
-            supervision, decision = supervision.executed(said, leg.stop)
+            said = self._lead(leg.trajectory, told, planned=True, unfelt=bool(leg.unfelt_end))
+            if said.outcome != UNVERIFIED:
+                pursuit.happened(leg, said.outcome == AT_GOAL)
+            supervision, decision = supervision.executed(said, leg.stop, leg.unfelt_end)
         made = tuple(self.motions[begun:])
         return Attempts(scenario, made, decision.outcome, decision.reason)
 
@@ -136,23 +137,32 @@ class HandSession:
         trajectory: ManipulationTrajectory,
         scenario: Scenario,
         planned: bool,
+        unfelt: bool = False,
     ) -> Claim:
-        """A trajectory, and what the probe after it says of the goal of `scenario`."""
+        """A trajectory, and what the probe after it, if any, says of the goal of `scenario`."""
         probe = trajectory.probe
-        if planned and self.options.probe:
+        if planned and self.options.probe and not unfelt:
             probe = probe_after(self.feeler, trajectory)
         loop = self.options.loop
         execution = Execution(trajectory, loop.controls, loop.settle, probe)
         record = lead(self.hand, execution, loop, self.perturbation)
         if planned:
             self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
-        said = self._claim(record, probe, scenario, planned)
+        goes_on = unfelt and not record.reason
+        said = self._claim(record, probe, scenario, planned, goes_on)
         self.motions.append(Motion(trajectory, record, said, planned))
         return said
 
     def _claim(
-        self, record: RunRecord, probe: Probe | None, scenario: Scenario, planned: bool
+        self,
+        record: RunRecord,
+        probe: Probe | None,
+        scenario: Scenario,
+        planned: bool,
+        goes_on: bool,
     ) -> Claim:
+        if goes_on:
+            return unfelt_claim(record.deviated)
         if probe is None:
             return Claim(UNVERIFIED, 'no probe was made')
         if record.reason:
