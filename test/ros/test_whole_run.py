@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,11 @@ from rosbags.highlevel import AnyReader
 
 from wholearm_ros.bag.reader import Bag, stamp_of
 from wholearm_ros.bag.types import jazzy_typestore
+from wholearm_ros.model.scenario import CCW, GoalOnEdge, StartOnEdge
+from wholearm_ros.model.scenario_file import load_scenario, scenario_to_dict
+from wholearm_ros.planner.map_making import MapOptions, make_way
+from wholearm_ros.planner.map_store import MapStore
+from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.report.bag_run import read_runs
 from wholearm_ros.ros.interface import channels
 
@@ -165,6 +171,28 @@ def test_the_command_lays_the_object_on_one_face_after_the_other(tmp_path, domai
     assert 'edge 1 after 1 attempt: succeeded' in done.stdout
     starts = [plan.scenario.start for plan, _, _ in read_runs(tmp_path / 'bag').runs]
     assert [start.edge for start in starts] == [0, 5]
+
+
+def test_a_slide_to_where_a_known_turn_begins_is_not_felt_and_the_turn_is(
+    tmp_path, domain, monkeypatch
+):
+    monkeypatch.setenv('WHOLEARM_MAPS', str(tmp_path / 'maps'))
+    believed = load_scenario('asymmetric_hexagon')
+    turn = replace(believed, start=StartOnEdge(0, 0.0), goal=GoalOnEdge(5, CCW))
+    known = make_way(turn, MapOptions(PlanRequest(moves=0)))
+    MapStore(believed).save(turn, known)
+    away = tmp_path / 'away.json'
+    away.write_text(json.dumps(scenario_to_dict(replace(believed, start=StartOnEdge(0, 0.025)))))
+    command = ['run', str(away), '--goal-edge', '5', '--pacing', 'lockstep']
+    done = subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', *command, '--rate', '250', '--backend', 'planar'],
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert '1. attempt (to edge 0, on the way): unverified: led along the palm' in done.stdout
+    assert '2. attempt: at_goal: felt on edge 5' in done.stdout
 
 
 @pytest.mark.parametrize(
