@@ -165,14 +165,14 @@ def reported_claim(
     tracked: bool,
     before: Felt | None = None,
 ) -> Claim:
-    """The claim from what the mode switcher says after a probe: texts `pairs` (JSON) and
-    `interrupted`; before: see `Feeler.feel`.
+    """The claim from what the mode switcher says after a probe: texts `pairs` (JSON, '' when none
+    was begun) and `interrupted`; before: see `Feeler.feel`.
     """
     try:
         pairs = np.array(json.loads(said.get('pairs') or '[]'), float).reshape(-1, 2)
     except ValueError as error:
         return Claim(UNKNOWN, f'what the probe measured cannot be read: {error}')
-    if probe is None or not len(pairs):
+    if probe is None or not said.get('pairs'):
         return Claim(
             UNVERIFIED, 'unverified: the trajectory was led to its end, and no probe was made'
         )

@@ -291,8 +291,10 @@ class ModeSwitcher(WholeArmNode):
 
 
 def felt_pairs(run: Execution | None) -> str:
-    """What the probe has measured, JSON: a list of pairs [rad]; '' when none was made."""
-    return json.dumps([pair.tolist() for pair in run.pairs]) if run and run.pairs else ''
+    """What the probe has measured, JSON: a list of pairs [rad]; '' before one is begun."""
+    if run is None or run.felt is None:
+        return ''
+    return json.dumps([pair.tolist() for pair in run.pairs])
 
 
 def told_course(run: Execution | None) -> str:

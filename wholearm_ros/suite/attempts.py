@@ -20,13 +20,15 @@ class Motion:
     """What the hand did between two decisions.
 
     trajectory: what it followed; record: of that and of the probe after it; claim: what was said
-    then; planned: whether the trajectory was one of a plan, not only the hold before a probe alone.
+    then; planned: whether the trajectory was one of a plan, not only the hold before a probe alone;
+    spent: attempts before it, not counting those that arrived at a stop on the way.
     """
 
     trajectory: ManipulationTrajectory
     record: RunRecord
     claim: Claim
     planned: bool = True
+    spent: int = 0
 
     @property
     def before_probe(self) -> RunRecord:
@@ -79,11 +81,11 @@ class Attempts:
 
     def first(self, attempts: int) -> 'Attempts':
         """The same run as it would have been with at most so many attempts."""
-        begun = np.cumsum([motion.planned for motion in self.motions])
-        kept = tuple(m for m, k in zip(self.motions, begun, strict=True) if k <= attempts)
-        if len(kept) == len(self.motions):
-            return self
-        return Attempts(self.scenario, kept, kept[-1].claim.outcome, kept[-1].claim.reason)
+        for place, motion in enumerate(self.motions):
+            if motion.planned and motion.spent >= attempts:
+                last = self.motions[place - 1].claim
+                return Attempts(self.scenario, self.motions[:place], last.outcome, last.reason)
+        return self
 
     def to_dict(self) -> dict[str, Any]:
         """What a suite's draw tells of it."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from wholearm_ros.control.execution import Execution
 from wholearm_ros.estimation.claim import Claim, claim, kept_to_plan, unfelt_claim
-from wholearm_ros.estimation.feel import Feeler
+from wholearm_ros.estimation.feel import Feeler, Felt
 from wholearm_ros.estimation.hold import hold_to_feel
 from wholearm_ros.estimation.probe_plan import probe_after
 from wholearm_ros.model.outcomes import AT_GOAL, LOST, UNKNOWN, UNVERIFIED
@@ -100,7 +100,8 @@ class HandSession:
                 decision = supervision.no_plan('from where the object lies')
                 continue
             told = leg.scenario
-            said = self._lead(leg.trajectory, told, planned=True, unfelt=bool(leg.unfelt_end))
+            spent = supervision.attempts - supervision.stops
+            said = self._follow(leg, spent)
             if said.outcome != UNVERIFIED:
                 pursuit.happened(leg, said.outcome == AT_GOAL)
             supervision, decision = supervision.executed(said, leg.stop, leg.unfelt_end)
@@ -130,43 +131,42 @@ class HandSession:
         angles, _ = self.hand.joints()
         last = self.motions[-1] if self.motions else None
         before = last.trajectory if last is not None and last.claim.felt is not None else None
-        return self._lead(hold_to_feel(self.feeler, angles, before), scenario, planned=False)
+        hold = hold_to_feel(self.feeler, angles, before)
+        record = self._lead(hold, hold.probe)
+        felt_before = self.motions[-1].claim.felt if self.motions else None
+        said = self._claim(record, hold.probe, scenario, felt_before)
+        self.motions.append(Motion(hold, record, said, planned=False))
+        return said
 
-    def _lead(
-        self,
-        trajectory: ManipulationTrajectory,
-        scenario: Scenario,
-        planned: bool,
-        unfelt: bool = False,
-    ) -> Claim:
-        """A trajectory, and what the probe after it, if any, says of the goal of `scenario`."""
-        probe = trajectory.probe
-        if planned and self.options.probe and not unfelt:
-            probe = probe_after(self.feeler, trajectory)
+    def _follow(self, leg: Leg, spent: int) -> Claim:
+        """A leg, and what the probe after it, if any, says of its goal; spent: see `Motion`."""
+        trajectory, unfelt = leg.trajectory, leg.unfelt_end is not None
+        probed = self.options.probe and not unfelt
+        probe = probe_after(self.feeler, trajectory) if probed else None
+        record = self._lead(trajectory, probe)
+        self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
+        if unfelt and not record.reason:
+            said = unfelt_claim(record.deviated)
+        else:
+            said = self._claim(record, probe, leg.scenario)
+        self.motions.append(Motion(trajectory, record, said, spent=spent))
+        return said
+
+    def _lead(self, trajectory: ManipulationTrajectory, probe: Probe | None) -> RunRecord:
         loop = self.options.loop
         execution = Execution(trajectory, loop.controls, loop.settle, probe)
-        record = lead(self.hand, execution, loop, self.perturbation)
-        if planned:
-            self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
-        goes_on = unfelt and not record.reason
-        said = self._claim(record, probe, scenario, planned, goes_on)
-        self.motions.append(Motion(trajectory, record, said, planned))
-        return said
+        return lead(self.hand, execution, loop, self.perturbation)
 
     def _claim(
         self,
         record: RunRecord,
         probe: Probe | None,
         scenario: Scenario,
-        planned: bool,
-        goes_on: bool,
+        before: Felt | None = None,
     ) -> Claim:
-        if goes_on:
-            return unfelt_claim(record.deviated)
         if probe is None:
             return Claim(UNVERIFIED, 'no probe was made')
         if record.reason:
             return Claim(UNKNOWN, f'stopped: {record.reason}')
-        before = self.motions[-1].claim.felt if self.motions and not planned else None
         felt = self.feeler.feel(probe, np.array(record.pairs), record.interrupted, before)
         return claim(self.feeler, scenario, felt, self.tracked)
