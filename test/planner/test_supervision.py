@@ -87,9 +87,19 @@ def test_before_the_first_trajectory_only_what_is_felt_counts():
     assert (decision.action, decision.outcome) == (END, AT_GOAL)
 
 
-def test_what_ends_at_the_goal_by_chance_is_at_the_goal():
-    missed = elsewhere(edge=5)
-    _, decision = Supervision(SCENARIO).executed(missed, stop=GoalOnEdge(0, 'cw'))
+def test_what_ends_at_the_goal_by_chance_is_felt_twice_before_it_is_said_to_be_there():
+    missed, stop = elsewhere(edge=5), GoalOnEdge(0, 'cw')
+    first, decision = Supervision(SCENARIO).executed(missed, stop=stop)
+    assert decision.action == FEEL
+    _, decision = first.felt(missed)
+    assert (decision.action, decision.outcome) == (END, AT_GOAL)
+    second, decision = first.felt(Claim(UNKNOWN, 'wedged'))
+    assert decision.action == FEEL
+    _, decision = second.felt(Claim(UNKNOWN, 'wedged'))
+    assert (decision.action, decision.outcome) == (END, UNKNOWN)
+    _, decision = first.felt(elsewhere(edge=3))
+    assert decision.action == PLAN and decision.scenario.start.edge == 3
+    _, decision = Supervision(SCENARIO).executed(replace(missed, outcome=AT_GOAL), stop=stop)
     assert (decision.action, decision.outcome) == (END, AT_GOAL)
 
 

@@ -34,7 +34,8 @@ class Supervision:
     """scenario: with the goal as given; attempts: trajectories executed so far; stops: those that
     arrived where they should on the way to the goal, which are not counted against `max_attempts`;
     stop: where the last trajectory should end, None for the goal itself: claims are of that; feels:
-    probes since the last conclusive one; claims: so far, in order.
+    probes since the last conclusive one; doubted: whether what the last one said is being felt once
+    more; claims: so far, in order.
     """
 
     scenario: Scenario
@@ -43,6 +44,7 @@ class Supervision:
     stops: int = 0
     stop: GoalOnEdge | None = None
     feels: int = 0
+    doubted: bool = False
     claims: tuple[Claim, ...] = ()
 
     def begin(self) -> Decision:
@@ -57,7 +59,7 @@ class Supervision:
         """After a trajectory and its probe; stop: where it should end when that is not the goal;
         unfelt_end: where it ended if it went as planned and was not to be felt.
         """
-        begun = replace(self, attempts=self.attempts + 1, stop=stop, feels=0)
+        begun = replace(self, attempts=self.attempts + 1, stop=stop, feels=0, doubted=False)
         if unfelt_end is None or claim.outcome != UNVERIFIED:
             return begun.felt(claim)
         arrived = replace(begun, stops=self.stops + 1, claims=(*self.claims, claim))
@@ -65,7 +67,8 @@ class Supervision:
 
     def felt(self, claim: Claim) -> 'tuple[Supervision, Decision]':
         """After a probe alone, or that of a trajectory; the claim is of where the last one should
-        end, and before the first one of whatever was done before.
+        end, and before the first one of whatever was done before. The goal, felt where another
+        face was to be expected, is felt once more.
         """
         after = replace(self, claims=(*self.claims, claim))
         sure = claim.outcome in (AT_GOAL, ELSEWHERE) and claim.felt is not None
@@ -73,6 +76,8 @@ class Supervision:
         if of_the_goal or not sure:
             return after._decide(claim)
         if self._fulfilled(claim):
+            if self.stop is not None and claim.outcome != AT_GOAL and not self.doubted:
+                return replace(after, doubted=True), Decision(FEEL)
             return after, Decision(END, AT_GOAL, claim.reason)
         arrived = self.stop is not None and claim.outcome == AT_GOAL
         return replace(after, stops=self.stops + arrived)._go_on(claim, _felt_place(claim))
