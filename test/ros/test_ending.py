@@ -152,7 +152,7 @@ def test_a_planner_that_makes_a_map_publishes_it_and_ends_with_what_it_started(g
     MapStore(scenario, tmp_path).save(replace(scenario, start=start, goal=goal), found)
     graph.wait(lambda: found.to_dict() in json.loads(maps[-1].data)['refused'], 'what was found')
     ended(process, signal.SIGINT)
-    limit = time.monotonic() + WITHIN  # what is polite is slow to end on a busy machine
+    limit = time.monotonic() + WAIT  # what is polite is slow to end on a busy machine
     while _state(child) not in ('', 'Z'):
         assert time.monotonic() < limit, 'the map is still being made'
         time.sleep(0.05)
