@@ -120,7 +120,7 @@ def test_the_hardware_killed_in_any_mode_stops_the_run(graph, mode):
     graph.wait(lambda: graph.client.latest.result, 'result')
     assert graph.client.latest.result['outcome'] == 'aborted'
     assert 'no joint_states' in graph.client.latest.result['reason']
-    assert modes[-1].data == 'stopped'
+    graph.wait(lambda: modes[-1].data == 'stopped', 'the mode')
 
 
 @pytest.mark.parametrize('victim', ['trajectory_generator', 'contact_state_planner'])
