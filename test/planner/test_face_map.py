@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import pytest
 
+from wholearm_ros.control.setpoints import ControlOptions
 from wholearm_ros.model.certificate import certificate
-from wholearm_ros.model.outcomes import AT_GOAL, UNVERIFIED
+from wholearm_ros.model.outcomes import AT_GOAL, UNKNOWN, UNVERIFIED
 from wholearm_ros.model.perturbation import NOMINAL
 from wholearm_ros.model.plan import ContactPlan
 from wholearm_ros.model.scenario import CCW, CW, GoalOnEdge, StartOnEdge
@@ -26,6 +27,7 @@ from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.planner.supervision import stop_of
 from wholearm_ros.planning.routes import plan
 from wholearm_ros.report.figures.graph_layout import lay_out
+from wholearm_ros.simulation.closed_loop import LoopOptions
 from wholearm_ros.suite.execution import execute
 from wholearm_ros.suite.session import HandSession, Pursuit
 from wholearm_ros.suite.suite_options import SuiteOptions
@@ -262,6 +264,10 @@ def test_from_out_of_reach_of_every_turn_the_object_is_moved_along_the_palm_firs
         done = session.pursue(asked, pursuit)
     assert [m.claim.outcome for m in done.motions] == [UNVERIFIED, AT_GOAL]
     assert done.outcome == AT_GOAL and not done.motions[0].record.pairs
+    stopped = replace(options, loop=LoopOptions(controls=ControlOptions(max_tracking_error=1e-5)))
+    with HandSession(asked, NOMINAL, stopped) as session:
+        ended = session.pursue(asked, Pursuit(asked, first, stopped))
+    assert ended.motions[0].record.reason and ended.motions[0].claim.outcome == UNKNOWN
 
 
 def test_the_map_of_another_object_is_another_one(tmp_path):

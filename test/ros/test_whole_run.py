@@ -132,24 +132,20 @@ def test_the_command_refuses_bad_input_and_leaves_nothing(tmp_path, domain):
     assert done.returncode == 2 and 'bad.yaml' in done.stderr
 
 
-def test_a_run_with_errors_of_the_hand_is_judged_by_the_true_object(tmp_path, domain):
-    """Whether it arrives is not told here, but that what is said of the end is true of it."""
-    done = subprocess.run(
-        [sys.executable, '-m', 'wholearm_ros', 'run', '--pacing', 'lockstep', '--perturb', '2']
-        + [
-            '--seed',
-            '3',
-            '--rate',
-            '250',
-            '--backend',
-            'planar',
-            '--record',
-            str(tmp_path / 'bag'),
-        ],
+def commanded(*arguments):
+    """`wholearm run` with these arguments, in lockstep at 250 Hz on the planar hand."""
+    fixed = ['--pacing', 'lockstep', '--rate', '250', '--backend', 'planar']
+    return subprocess.run(
+        [sys.executable, '-m', 'wholearm_ros', 'run', *map(str, arguments), *fixed],
         capture_output=True,
         text=True,
         timeout=250,
     )
+
+
+def test_a_run_with_errors_of_the_hand_is_judged_by_the_true_object(tmp_path, domain):
+    """Whether it arrives is not told here, but that what is said of the end is true of it."""
+    done = commanded('--perturb', 2, '--seed', 3, '--record', tmp_path / 'bag')
     assert done.returncode in (0, 1), done.stdout + done.stderr
     run = read_runs(tmp_path / 'bag').runs[-1][2]
     assert (done.returncode == 0) == run.judged.executed
@@ -157,14 +153,7 @@ def test_a_run_with_errors_of_the_hand_is_judged_by_the_true_object(tmp_path, do
 
 
 def test_the_command_lays_the_object_on_one_face_after_the_other(tmp_path, domain):
-    command = ['run', 'asymmetric_hexagon', '--sequence', '5,1', '--pacing', 'lockstep']
-    done = subprocess.run(
-        [sys.executable, '-m', 'wholearm_ros', *command, '--rate', '250', '--backend', 'planar']
-        + ['--record', str(tmp_path / 'bag')],
-        capture_output=True,
-        text=True,
-        timeout=250,
-    )
+    done = commanded('asymmetric_hexagon', '--sequence', '5,1', '--record', tmp_path / 'bag')
     assert done.returncode == 0, done.stdout + done.stderr
     assert '2 of 2 faces reached' in done.stdout
     assert 'edge 5 after 1 attempt: succeeded' in done.stdout
@@ -183,13 +172,7 @@ def test_a_slide_to_where_a_known_turn_begins_is_not_felt_and_the_turn_is(
     MapStore(believed).save(turn, known)
     away = tmp_path / 'away.json'
     away.write_text(json.dumps(scenario_to_dict(replace(believed, start=StartOnEdge(0, 0.025)))))
-    command = ['run', str(away), '--goal-edge', '5', '--pacing', 'lockstep']
-    done = subprocess.run(
-        [sys.executable, '-m', 'wholearm_ros', *command, '--rate', '250', '--backend', 'planar'],
-        capture_output=True,
-        text=True,
-        timeout=250,
-    )
+    done = commanded(away, '--goal-edge', 5)
     assert done.returncode == 0, done.stdout + done.stderr
     assert '1. attempt (to edge 0, on the way): unverified: led along the palm' in done.stdout
     assert '2. attempt: at_goal: felt on edge 5' in done.stdout

@@ -136,8 +136,8 @@ def claim(feeler: Feeler, scenario: Scenario, felt: Felt, tracked: bool) -> Clai
 
 
 def unfelt_claim(deviated: str) -> Claim:
-    """Of a slide whose end is not felt (`ContactPlan.unfelt_end`); deviated: what the monitor says
-    of the fingers, '' for nothing.
+    """Of a slide whose end is not felt (`ContactPlan.unfelt_end`); deviated: why it was stopped, or
+    what the monitor says of the fingers, '' for nothing.
     """
     if deviated:
         return Claim(UNKNOWN, f'not felt yet, and the fingers deviated: {deviated}')

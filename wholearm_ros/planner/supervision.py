@@ -47,6 +47,11 @@ class Supervision:
     doubted: bool = False
     claims: tuple[Claim, ...] = ()
 
+    @property
+    def spent(self) -> int:
+        """Attempts, not counting those that arrived at a stop on the way."""
+        return self.attempts - self.stops
+
     def begin(self) -> Decision:
         """What to do first."""
         if self.scenario.to_be_felt:
@@ -109,7 +114,7 @@ class Supervision:
 
     def _go_on(self, claim: Claim, place: StartOnEdge) -> 'tuple[Supervision, Decision]':
         """From where the object surely lies."""
-        if self.attempts - self.stops >= self.max_attempts or self.stops > MOST_STOPS:
+        if self.spent >= self.max_attempts or self.stops > MOST_STOPS:
             return self, Decision(END, ELSEWHERE, claim.reason)
         return self, Decision(PLAN, scenario=self.onwards(place))
 

@@ -5,8 +5,9 @@ from typing import Optional
 
 import numpy as np
 
+from wholearm_ros.control.holding import Holding
 from wholearm_ros.errors import HardwareError
-from wholearm_ros.kernels.control_law import HOLD_GAINS, holding_angle, holding_effort
+from wholearm_ros.kernels.control_law import HOLD_GAINS
 from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario import Scenario
 from wholearm_ros.model.weight import bearing_torques
@@ -24,16 +25,16 @@ class Drives:
         fingers = (scenario.hand.left, scenario.hand.right)
         self._limits = np.array([f.torque_limit for f in fingers])
         self._weights = scenario.finger_weights
+        self._holding = Holding(self._weights)
         self._factors = perturbation.torque_factors
         self._delay = int(round(perturbation.actuation_delay / dt))
         self.reset(np.zeros(2))
 
     def reset(self, angles: np.ndarray) -> None:
         """angles: (2,) [rad] to hold."""
-        self._held: Optional[np.ndarray] = np.array(angles, dtype=float)
+        self._holding.begin_at(angles)
         self._waiting: deque[Optional[np.ndarray]] = deque([None] * self._delay)
-        self.asked: np.ndarray = bearing_torques(self._weights, self._held)  # (2,) [N m]
-        self._borne = self.asked
+        self.asked: np.ndarray = bearing_torques(self._weights, angles)  # (2,) [N m]
 
     def torques(
         self, command: Optional[np.ndarray], angles: np.ndarray, velocities: np.ndarray
@@ -50,12 +51,9 @@ class Drives:
         self._waiting.append(command)
         acting = self._waiting.popleft()
         if acting is not None:
-            self._held, self._borne = None, acting
+            self._holding.bear(acting)
         else:
-            weight = bearing_torques(self._weights, angles)
-            if self._held is None:
-                self._held = holding_angle(HOLD_GAINS, weight, self._borne, angles)
-            acting = holding_effort(HOLD_GAINS, weight, self._held, angles, velocities)
+            acting = self._holding.torques(HOLD_GAINS, angles, velocities)
         self.asked = np.clip(acting if command is None else command, -self._limits, self._limits)
         torques: np.ndarray = np.clip(acting, -self._limits, self._limits) * self._factors
         return torques

@@ -100,8 +100,7 @@ class HandSession:
                 decision = supervision.no_plan('from where the object lies')
                 continue
             told = leg.scenario
-            spent = supervision.attempts - supervision.stops
-            said = self._follow(leg, spent)
+            said = self._follow(leg, supervision.spent)
             if said.outcome != UNVERIFIED:
                 pursuit.happened(leg, said.outcome == AT_GOAL)
             supervision, decision = supervision.executed(said, leg.stop, leg.unfelt_end)
@@ -130,11 +129,10 @@ class HandSession:
         """A probe alone, from the other side than the last one, if there was one."""
         angles, _ = self.hand.joints()
         last = self.motions[-1] if self.motions else None
-        before = last.trajectory if last is not None and last.claim.felt is not None else None
-        hold = hold_to_feel(self.feeler, angles, before)
+        before = last.claim.felt if last else None
+        hold = hold_to_feel(self.feeler, angles, last.trajectory if last and before else None)
         record = self._lead(hold, hold.probe)
-        felt_before = self.motions[-1].claim.felt if self.motions else None
-        said = self._claim(record, hold.probe, scenario, felt_before)
+        said = self._claim(record, hold.probe, scenario, before)
         self.motions.append(Motion(hold, record, said, planned=False))
         return said
 
@@ -145,8 +143,8 @@ class HandSession:
         probe = probe_after(self.feeler, trajectory) if probed else None
         record = self._lead(trajectory, probe)
         self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
-        if unfelt and not record.reason:
-            said = unfelt_claim(record.deviated)
+        if unfelt:
+            said = unfelt_claim(record.reason or record.deviated)
         else:
             said = self._claim(record, probe, leg.scenario)
         self.motions.append(Motion(trajectory, record, said, spent=spent))
