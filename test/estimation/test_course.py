@@ -8,6 +8,7 @@ import pytest
 from wholearm_ros.estimation.course import (
     LIKE,
     NEAR,
+    NEAR_ALONE,
     SLACK,
     likeness,
     nearest_course,
@@ -62,10 +63,10 @@ def test_a_short_difference_tells_where_shared_errors_are_larger():
     rng = np.random.default_rng(2)
     arrived, strayed = samples(rng, 0.01), samples(rng, 0.0)
     for course in samples(rng, 0.01):
-        assert went_as_planned(course, arrived, strayed, in_band=True)
+        assert went_as_planned(course, arrived, strayed)
     for course in samples(rng, 0.0):
         assert nearest_course(course, arrived) < NEAR  # by itself this would be taken for arriving
-        assert not went_as_planned(course, arrived, strayed, in_band=True)
+        assert not went_as_planned(course, arrived, strayed)
 
 
 def test_what_is_far_from_all_samples_did_not_go_as_planned_whichever_it_is_like():
@@ -74,11 +75,22 @@ def test_what_is_far_from_all_samples_did_not_go_as_planned_whichever_it_is_like
     course = arrived.mean(axis=0)
     course[FALLING, 1] += 0.2
     assert likeness(course, arrived, strayed) > LIKE
-    assert not went_as_planned(course, arrived, strayed, in_band=True)
+    assert not went_as_planned(course, arrived, strayed)
+
+
+def test_a_run_that_is_like_those_that_arrive_may_be_farther_off_than_one_that_nothing_else_tells():
+    rng = np.random.default_rng(4)
+    arrived, strayed = samples(rng, 0.01), samples(rng, 0.0)
+    course = arrived[0] + (NEAR_ALONE + NEAR) / 2
+    assert nearest_course(course, arrived) > NEAR_ALONE
+    assert went_as_planned(course, arrived, strayed)
 
 
 def test_where_none_strayed_the_distance_decides_and_where_nobody_looked_nothing_is_told():
-    assert went_as_planned(COURSES[1], COURSES, np.empty((0, 0, 2)), in_band=False)
-    assert not went_as_planned(COURSES[1], COURSES, None, in_band=True)
-    assert not went_as_planned(COURSES[1], None, None, in_band=True)
-    assert not went_as_planned(COURSES[1][:50], COURSES, np.empty((0, 0, 2)), in_band=True)
+    nothing = np.empty((0, 0, 2))
+    between = COURSES[1] + (NEAR_ALONE + NEAR) / 2
+    assert went_as_planned(COURSES[1], COURSES, nothing)
+    assert not went_as_planned(between, COURSES, nothing)
+    assert not went_as_planned(COURSES[1], COURSES, None)
+    assert not went_as_planned(COURSES[1], None, None)
+    assert not went_as_planned(COURSES[1][:50], COURSES, nothing)

@@ -150,10 +150,10 @@ def kept_to_plan(
     """Whether the fingers kept to the plan.
 
     course (m, 2) [rad], in_band: see `Execution`. For an object with edges that feel alike the way
-    counts, too: the band by itself leaves it open whether the object slipped back by an edge.
+    counts: the band leaves it open whether the object slipped back by an edge.
     """
     if feeler.symmetric:
-        return went_as_planned(course, trajectory.courses, trajectory.strayed, in_band)
+        return went_as_planned(course, trajectory.courses, trajectory.strayed)
     return in_band
 
 

@@ -309,9 +309,10 @@ def _separation(
 
 def probe_after(feeler: Feeler, trajectory: ManipulationTrajectory, again: bool = False) -> Probe:
     """The probe after a trajectory: what is expected is the edge on which its last pose lies, if it
-    lies on one; again: see `plan_probe`.
+    lies on one; again: see `plan_probe`, and from the other side than `trajectory` holds.
     """
-    held = trajectory.segments[-1].velocity_finger
+    finger = trajectory.segments[-1].velocity_finger
+    held = 1 - finger if again else finger
     expected = nearest_resting(feeler.hypotheses, trajectory.poses[-1])
     goal = feeler.model.scenario.goal
     shifts = isinstance(goal, GoalOnEdge) and goal.x is None

@@ -163,8 +163,8 @@ class TrajectoryGenerator(WholeArmNode):
         than the last one, where the last goal ended with one.
         """
         angles = np.array(json.loads(self.progress['angles']))
-        probed = self.claimed is not None and self.claimed.felt is not None
-        hold = hold_to_feel(self.feeler, angles, self.executed if probed else None)
+        felt = self.claimed.felt if self.claimed else None
+        hold = hold_to_feel(self.feeler, angles, self.executed, felt)
         return replace(hold, plan_id=goal_name(FEEL_GOAL))
 
     def reject(self, request: GoalInfo, reason: str) -> None:

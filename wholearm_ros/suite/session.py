@@ -130,18 +130,19 @@ class HandSession:
         angles, _ = self.hand.joints()
         last = self.motions[-1] if self.motions else None
         before = last.claim.felt if last else None
-        hold = hold_to_feel(self.feeler, angles, last.trajectory if last and before else None)
-        record = self._lead(hold, hold.probe)
+        hold = hold_to_feel(self.feeler, angles, last and last.trajectory, before)
+        record = self._lead(hold)
         said = self._claim(record, hold.probe, scenario, before)
         self.motions.append(Motion(hold, record, said, planned=False))
         return said
 
     def _follow(self, leg: Leg, spent: int) -> Claim:
         """A leg, and what the probe after it, if any, says of its goal; spent: see `Motion`."""
-        trajectory, unfelt = leg.trajectory, leg.unfelt_end is not None
+        unfelt = leg.unfelt_end is not None
         probed = self.options.probe and not unfelt
-        probe = probe_after(self.feeler, trajectory) if probed else None
-        record = self._lead(trajectory, probe)
+        probe = probe_after(self.feeler, leg.trajectory) if probed else None
+        trajectory = replace(leg.trajectory, probe=probe)
+        record = self._lead(trajectory)
         self.tracked = kept_to_plan(self.feeler, trajectory, record.course, record.in_band)
         if unfelt:
             said = unfelt_claim(record.reason or record.deviated)
@@ -150,9 +151,9 @@ class HandSession:
         self.motions.append(Motion(trajectory, record, said, spent=spent))
         return said
 
-    def _lead(self, trajectory: ManipulationTrajectory, probe: Probe | None) -> RunRecord:
+    def _lead(self, trajectory: ManipulationTrajectory) -> RunRecord:
         loop = self.options.loop
-        execution = Execution(trajectory, loop.controls, loop.settle, probe)
+        execution = Execution(trajectory, loop.controls, loop.settle, trajectory.probe)
         return lead(self.hand, execution, loop, self.perturbation)
 
     def _claim(
