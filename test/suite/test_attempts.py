@@ -63,6 +63,22 @@ def test_what_lies_in_the_hand_is_felt_where_it_is(held, friction):
     assert made.last.modes[-1] == 'done' and 'probing' in made.last.modes
 
 
+@pytest.mark.parametrize('friction', [0.0, 0.05])
+def test_an_object_that_is_felt_again_is_squeezed_until_then(friction):
+    noise = Perturbation(friction=friction, encoder_noise=6e-4, velocity_noise=0.06)
+    options = SuiteOptions(backend='planar', maps=False)
+    with HandSession(SCENARIO, noise, options) as session:
+        claims = [session.feel(SCENARIO) for _ in range(3)]
+    for motion in session.motions[1:]:
+        record = motion.record
+        still = record.angles[: record.modes.index('probing')]
+        assert np.ptp(still, axis=0).max() < 0.02
+        assert motion.probing_time < 5.0  # [s]: nothing has to be closed again
+    assert {claim.edge for claim in claims} == {0}
+    sides = [motion.trajectory.probe.held for motion in session.motions]
+    assert sides[1] != sides[0]
+
+
 def test_an_object_that_lies_at_its_goal_is_claimed_there_and_stays_there():
     there = replace(SCENARIO, goal=GoalOnEdge(0, 'ccw', -0.02, 0.01))
     made = run_attempts(there, holding(there), NOMINAL)
