@@ -75,10 +75,9 @@ class Reorientation(WholeArmNode):
         self.asked: Scenario | None = None  # what the planner was asked for
         self.stop: GoalOnEdge | None = None  # where what is executed ends, if not at the goal
         self.unfelt_end: StartOnEdge | None = None  # and where, if that is not felt
-        self.stop_of_plan: GoalOnEdge | None = None  # likewise of the newest plan
-        self.unfelt_end_of_plan: StartOnEdge | None = None
         self.wanted = ''  # beginning of the id of the plan that shall be executed
-        self.plan_id = self.trajectory_of = ''  # newest plan, and the plan of the newest trajectory
+        self.plan: ContactPlan | None = None  # the newest
+        self.trajectory_of = ''  # id of the plan of the newest trajectory
         self.sent: tuple[bytes, int] | None = None  # id and request stamp of the generator's goal
         self.last: dict[str, str] = {}  # the generator's last result
         self.tries: list[dict[str, Any]] = []
@@ -226,13 +225,10 @@ class Reorientation(WholeArmNode):
         """The planner's newest; one from where the object lies is what was asked for, even if the
         planner's answer is lost.
         """
-        plan = _plan(message.data)
-        self.plan_id = plan.id if plan else ''
-        if self.asked is not None and plan is not None:
-            self.stop_of_plan = stop_of(self.asked, plan.scenario)
-            self.unfelt_end_of_plan = plan.unfelt_end
-            if self.phase == modes.PLANNING and _same_start(self.asked, plan.scenario):
-                self.wanted, self.planner_is_busy = self.plan_id, False
+        self.plan = _plan(message.data)
+        if self.plan and self.asked and self.phase == modes.PLANNING:
+            if _same_start(self.asked, self.plan.scenario):
+                self.wanted, self.planner_is_busy = self.plan.id, False
         self.send_when_ready()
 
     def on_trajectory(self, message: String) -> None:
@@ -242,10 +238,12 @@ class Reorientation(WholeArmNode):
 
     def send_when_ready(self) -> None:
         """The generator's goal, as soon as plan and trajectory are those that were answered."""
-        ready = self.wanted and self.plan_id.startswith(self.wanted)
-        if ready and self.trajectory_of == self.plan_id and self.phase == modes.PLANNING:
-            self.stop, self.unfelt_end = self.stop_of_plan, self.unfelt_end_of_plan
-            self.send(to_goal_id(self.plan_id), modes.EXECUTING)
+        plan = self.plan
+        if not (plan and self.asked and self.wanted and plan.id.startswith(self.wanted)):
+            return
+        if self.trajectory_of == plan.id and self.phase == modes.PLANNING:
+            self.stop, self.unfelt_end = stop_of(self.asked, plan.scenario), plan.unfelt_end
+            self.send(to_goal_id(plan.id), modes.EXECUTING)
 
     def send(self, goal: bytes, phase: str) -> None:
         """A goal for the generator."""

@@ -130,7 +130,7 @@ class HandSession:
         angles, _ = self.hand.joints()
         last = self.motions[-1] if self.motions else None
         before = last.claim.felt if last else None
-        hold = hold_to_feel(self.feeler, angles, last and last.trajectory, before)
+        hold = hold_to_feel(self.feeler, angles, last.trajectory if last else None, before)
         record = self._lead(hold)
         said = self._claim(record, hold.probe, scenario, before)
         self.motions.append(Motion(hold, record, said, planned=False))
