@@ -2,7 +2,8 @@
 
     python benchmarks/jury.py [SUITE.json] [--tasks 12] [--levels 0 1 2] [--draws 2] [--seed 0] [--json OUT]
 
-A level of 0 is run once a plan. Speed: simulated seconds for each second of this process's CPU time, control included.
+A level of 0 is run once a plan. Speed: simulated seconds for each second of this process's CPU time, control included. Where engines disagree, each
+of them runs it five times more, with other encoder noise only: where an engine then disagrees with itself, the run stands on a knife's edge.
 """
 
 import argparse
@@ -15,21 +16,27 @@ from pathlib import Path
 import numpy as np
 
 from wholearm_ros.model.backends import installed_backends
-from wholearm_ros.model.perturbation import draw_perturbation
+from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.simulation.closed_loop import run
-from wholearm_ros.simulation.jury import Verdict, disagreements, testify
+from wholearm_ros.simulation.jury import Verdict, disagreements, hear, testify
 from wholearm_ros.suite.execution import perturbation_rng
 from wholearm_ros.suite.suite_file import load_suite
 from wholearm_ros.suite.suite_options import SuiteOptions
 
+REPEATED = 5  # runs of each engine with other encoder noise
 
-def judge(scenario, trajectory, level: float, draw: int, seed: int, spent: dict) -> Verdict:
-    """One run in every engine; spent: {engine: [simulated s, CPU s]}, added to."""
+
+def drawn(scenario, level: float, draw: int, seed: int) -> Perturbation:
+    """As suites draw it."""
     rng = perturbation_rng(SuiteOptions(PlanRequest(seed=seed)), scenario.name, draw)
-    perturbation = draw_perturbation(rng, level, scenario)
+    return draw_perturbation(rng, level, scenario)
+
+
+def judge(scenario, trajectory, perturbation: Perturbation, spent: dict) -> Verdict:
+    """One run in every engine; spent: {engine: [simulated s, CPU s]}, added to."""
     testimonies = []
     for engine in installed_backends():
         begun = time.process_time()
@@ -37,6 +44,12 @@ def judge(scenario, trajectory, level: float, draw: int, seed: int, spent: dict)
         spent[engine] += [record.times[-1], time.process_time() - begun]
         testimonies.append(testify(engine, scenario, record))
     return Verdict(tuple(testimonies), disagreements(testimonies))
+
+
+def repeated(scenario, trajectory, perturbation: Perturbation) -> dict:
+    """{engine: runs at the goal of REPEATED with other encoder noise}."""
+    verdicts = [hear(scenario, trajectory, perturbation.reseeded(k + 1)) for k in range(REPEATED)]
+    return {e: sum(_by_engine(v)[e] for v in verdicts) for e in installed_backends()}
 
 
 def show(level: float, verdicts: list) -> None:
@@ -85,12 +98,19 @@ def main():
             continue
         for level in options.levels:
             for draw in range(options.draws if level else 1):
-                verdict = judge(scenario, found.trajectory, level, draw, options.seed, spent)
+                perturbation = drawn(scenario, level, draw, options.seed)
+                verdict = judge(scenario, found.trajectory, perturbation, spent)
                 verdicts[level].append(verdict)
                 told.append({'task': task.name, 'level': level, 'draw': draw, **verdict.to_dict()})
-                print(f'{task.name}, level {level:g}, draw {draw}: {_by_engine(verdict)}')
+                print(
+                    f'{task.name}, level {level:g}, draw {draw}: {_by_engine(verdict)}', flush=True
+                )
                 for line in verdict.disagreements:
-                    print(f'  {line}', flush=True)
+                    print(f'  {line}')
+                if verdict.disagreements:
+                    again = repeated(scenario, found.trajectory, perturbation)
+                    told[-1]['other_noise'] = again
+                    print(f'  with other encoder noise, of {REPEATED}: {again}', flush=True)
     for level, heard in sorted(verdicts.items()):
         show(level, heard)
     print('simulated s per CPU s: ' + ', '.join(f'{e} {s / c:.1f}' for e, (s, c) in spent.items()))
