@@ -1,8 +1,11 @@
 """Many runs of `wholearm run` in lockstep, one after the other: no failure, the same pose each time, nothing left behind.
 
     python benchmarks/soak.py [--runs 3] [--rate 1000] [--scenario asymmetric_hexagon] [--log soak.jsonl]
+    python benchmarks/soak.py --idle MINUTES [--runs 3] [--pacing lockstep]
 
 With --log each run is a line of JSON, and what is already there counts: a long campaign can be done in pieces.
+With --idle one graph stays up: for each run it is left alone for so long, then the hand is reset and the goal pursued. At the end
+its nodes get SIGTERM.
 """
 
 import argparse
@@ -11,16 +14,22 @@ import json
 import os
 import re
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
+from ros_graph import WAIT, WHOLE, Graph
+
 from wholearm_ros.launcher.processes import SHARED_MEMORY
+from wholearm_ros.ros.interface import channels
 
 PR_SET_CHILD_SUBREAPER = 36
 LONGEST = 600.0  # [s] of one run; beyond it has failed
+WARNED = re.compile(r'\[(WARN|ERROR|FATAL)\]')
 POSE = re.compile(r'^final pose +(.*?);', re.M)
 
 
@@ -76,6 +85,42 @@ def one_run(scenario: str, rate: float) -> dict:
     }
 
 
+def idle(pacing: str, minutes: float, runs: int) -> bool:
+    """Whether a graph that was left alone still reaches its goal each time, warned of nothing, and ended within 3 s of SIGTERM."""
+    with tempfile.TemporaryDirectory() as scratch:
+        graph = Graph(Path(scratch))
+        graph.start(WHOLE, pacing)
+        modes, good = graph.listen(channels.MODE), 0
+        graph.wait(lambda: modes, 'the mode switcher')
+        for number in range(runs):
+            graph.spin(60.0 * minutes)
+            assert graph.client.call(channels.RESET, WAIT).success
+            result = graph.execute(graph.plan().id)
+            good += result['outcome'] == 'succeeded'
+            print(
+                f'{minutes * (number + 1):g} min: {result["outcome"]}: {result["reason"]}',
+                flush=True,
+            )
+        pids, began = [graph.processes.pid(node) for node in WHOLE], time.monotonic()
+        for pid in pids:
+            os.kill(pid, signal.SIGTERM)
+        ended = [os.waitpid(pid, 0)[1] for pid in pids]
+        took = time.monotonic() - began
+        said = {node: graph.processes.log_of(node).read_text(errors='replace') for node in WHOLE}
+        warned = [
+            f'{n}: {line}'
+            for n, text in said.items()
+            for line in text.splitlines()
+            if WARNED.search(line)
+        ]
+        graph.close()
+    print(
+        f'{good} of {runs} reached; ended {took:.1f} s after SIGTERM, status {set(ended)}; {len(warned)} warnings'
+    )
+    print(*warned[:20], sep='\n')
+    return good == runs and took < 3.0 and not warned
+
+
 def show(runs: list) -> bool:
     """Whether all went well."""
     failed = [r for r in runs if r['code'] != 0]
@@ -106,7 +151,13 @@ def main():
     parser.add_argument('--rate', type=float, default=1000.0)
     parser.add_argument('--scenario', default='asymmetric_hexagon')
     parser.add_argument('--log', type=Path)
+    parser.add_argument(
+        '--idle', type=float, metavar='MINUTES', help='one graph, left alone before each run'
+    )
+    parser.add_argument('--pacing', default='lockstep', choices=['lockstep', 'realtime'])
     options = parser.parse_args()
+    if options.idle is not None:
+        sys.exit(0 if idle(options.pacing, options.idle, options.runs) else 1)
     ctypes.CDLL(None).prctl(
         PR_SET_CHILD_SUBREAPER, 1
     )  # what outlives its launcher becomes a child of ours, and is seen
