@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wholearm_ros.estimation.hold import hold_trajectory
+from wholearm_ros.estimation.hold import hold_to_feel, hold_trajectory
 from wholearm_ros.mechanics.contacts import start_configuration
 from wholearm_ros.mechanics.world import build_world
 from wholearm_ros.model.outcomes import AT_GOAL, ELSEWHERE, LOST, UNKNOWN, UNVERIFIED
@@ -14,6 +14,7 @@ from wholearm_ros.model.perturbation import NOMINAL, Perturbation
 from wholearm_ros.model.polygon import Polygon
 from wholearm_ros.model.scenario import GoalOnEdge, ManipulatedObject, StartOnEdge
 from wholearm_ros.model.scenario_file import load_scenario
+from wholearm_ros.model.weight import bearing_torques
 from wholearm_ros.planner.legs import Leg
 from wholearm_ros.simulation.factory import make_hand
 from wholearm_ros.suite import session as session_module
@@ -77,6 +78,19 @@ def test_an_object_that_is_felt_again_is_squeezed_until_then(friction):
     assert {claim.edge for claim in claims} == {0}
     sides = [motion.trajectory.probe.held for motion in session.motions]
     assert sides[1] != sides[0]
+
+
+def test_fingers_that_have_moved_since_they_squeezed_do_not_squeeze_on():
+    options = SuiteOptions(backend='planar', maps=False)
+    with HandSession(SCENARIO, NOMINAL, options) as session:
+        felt, angles = session.feel(SCENARIO).felt, session.hand.joints()[0]
+        last, feeler = session.motions[-1].trajectory, session.feeler
+    away = angles + [0.0, 0.2]
+    there, moved = (hold_to_feel(feeler, a, last, felt) for a in (angles, away))
+    for hold, squeezes in ((there, True), (moved, False)):
+        weight = bearing_torques(feeler.model.world.finger_weights, hold.angles)
+        assert np.abs(hold.efforts - weight).max() == pytest.approx(squeezes * last.probe.torque)
+    assert moved.probe.held == last.probe.held and there.probe.held != last.probe.held
 
 
 def test_an_object_that_lies_at_its_goal_is_claimed_there_and_stays_there():

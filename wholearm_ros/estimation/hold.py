@@ -13,6 +13,8 @@ from wholearm_ros.model.trajectory import ManipulationTrajectory, Segment
 from wholearm_ros.model.weight import bearing_torques
 
 DURATION, PERIOD = 0.1, 0.01  # [s]
+# [rad] of either finger since the last squeeze: what it lay on may be gone, or the hand was reset.
+MOVED = 0.05
 
 
 def hold_trajectory(
@@ -47,7 +49,8 @@ def hold_to_feel(
 ) -> ManipulationTrajectory:
     """The fingers held at `angles` (2,) [rad], and the probe of what lies between them: from the
     other side than the probe of `last`, the trajectory that was executed before, which felt `felt`;
-    from the same one if that did not come to its end; without these, of whatever it may be.
+    from the same one if that did not come to its end, or the fingers have moved since; without
+    these, of whatever it may be.
 
     An object that was squeezed is squeezed on, with the torque of that probe: a finger that bears
     its own weight only drifts off.
@@ -56,7 +59,7 @@ def hold_to_feel(
     if last is None or last.probe is None or felt is None:
         hold = hold_trajectory(angles, weights, feeler.hypotheses[0].pose, LEFT)
         return replace(hold, probe=probe_of_the_unknown(feeler, LEFT, angles))
-    squeezed = felt.squeezes is not None
+    squeezed = felt.squeezes is not None and np.abs(angles - felt.pairs[-1]).max() < MOVED
     squeeze = last.probe.torque if squeezed else 0.0
     hold = hold_trajectory(angles, weights, last.poses[-1], last.probe.held, squeeze)
     return replace(hold, probe=probe_after(feeler, hold, again=squeezed))
