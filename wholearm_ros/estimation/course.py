@@ -8,8 +8,8 @@ are near those of a sample that did all the time, and that is like these rather 
 
 import numpy as np
 
-# [rad] of either angle, from the nearest sample that arrived: whose way is so far from all of them
-# that likeness means nothing. Right runs of the regular hexagon behind a bridge are up to 0.037 off.
+# [rad] of either angle, from the nearest sample that arrived: farther from all of them likeness
+# means nothing. Right runs of the regular hexagon behind a bridge are up to 0.037 off.
 NEAR = 0.06
 # [rad] where no sample strayed, so nothing else tells: of 34 runs of two regular hexagons that
 # ended on another edge, the nearest was 0.048 off.
