@@ -192,11 +192,13 @@ def test_two_nodes_of_one_name_give_the_same_run(graph, tmp_path):
         graph.wait(
             lambda: graph.node.count_publishers(channels.JOINT_COMMANDS.name) == 3, 'the twin'
         )
-        assert graph.execute(graph.client.latest.plan.id)['outcome'] == 'succeeded'
-        graph.wait(
-            lambda: int(values_of(said['hand_hardware'])['late commands']) > 100,
-            'the second commands to be dropped',
-        )
+        for _ in range(5):  # in the first runs the twin may not have found the others yet
+            assert graph.client.call(channels.RESET, WAIT).success
+            assert graph.execute(graph.client.latest.plan.id)['outcome'] == 'succeeded'
+            graph.spin(2.5)  # diagnostics come once a second
+            if int(values_of(said['hand_hardware'])['late commands']) > 100:
+                return
+    raise AssertionError('no second commands were dropped')
 
 
 def test_a_second_launcher_in_one_domain_is_refused_and_the_first_goes_on(domain):
