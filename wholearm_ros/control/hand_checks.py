@@ -205,7 +205,7 @@ def _clock(samples: Sequence[Sample], rate: float) -> list[Check]:
         Check(
             'jitter',
             bool(slow <= max(TIMEOUT, 2 / rate)),
-            f'99 % of the gaps below {1e3 * slow:.1f} ms, the longest {1e3 * gaps.max():.1f} ms',
+            f'99 % of the gaps below {1e3 * slow:.1f} ms, the longest {1e3 * np.max(gaps):.1f} ms',
             f'a gap above {1e3 * TIMEOUT:.0f} ms trips the watchdog: raise the priority of the '
             'process, or unload the machine',
         ),

@@ -4,6 +4,7 @@ be.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -334,7 +335,7 @@ def _with_gaps(
         if density > best.likelihood:
             rms = float(np.sqrt(np.mean(residuals[touching] ** 2)))
             best, touched = Fit(density, squares / len(touching), rms), touching
-    return best._replace(likelihood=float(np.logaddexp.reduce(densities))), touched
+    return best._replace(likelihood=float(reduce(np.logaddexp, densities))), touched
 
 
 def _subsets(items: np.ndarray, most: int) -> Iterator[tuple[int, ...]]:

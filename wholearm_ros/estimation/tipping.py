@@ -140,7 +140,7 @@ class Pressed(NamedTuple):
         lifted = pushed < 0.0
         if (still < 0.0).any():
             return 0.0
-        return float((still[lifted] / -pushed[lifted]).min()) if lifted.any() else np.inf
+        return float(np.min(still[lifted] / -pushed[lifted])) if lifted.any() else np.inf
 
 
 def _pressed(

@@ -177,7 +177,7 @@ def _place_of_axis_problems(key: str, parts: list[np.ndarray]) -> list[str]:
 
 def _palm_problems(vertices: np.ndarray) -> list[str]:
     steps = np.diff(vertices, axis=0)
-    if np.linalg.norm(steps, axis=1).min() < MIN_EDGE:
+    if np.min(np.linalg.norm(steps, axis=1)) < MIN_EDGE:
         return [f'palm.vertices: got a segment shorter than {MIN_EDGE} m; allowed: longer ones']
     if steps[:, 0].min() <= 0.0:
         return [

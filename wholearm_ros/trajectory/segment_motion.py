@@ -99,7 +99,7 @@ def _descent(world: World, segment: MonotoneSegment, options: ExecutionOptions) 
     other, rotation = 1 - side, piece.samples[:, ROTATION]
     turn = rotation[-1] - rotation[0]
     steps = np.abs(np.diff(piece.samples[:, joint_index(side)]))
-    fastest = float((steps / np.maximum(np.diff(rotation), 1e-9)).max())
+    fastest = float(np.max(steps / np.maximum(np.diff(rotation), 1e-9)))
     angle = rotation[0] + turn * _rest_to_rest(turn, fastest, options)
     q = np.column_stack([np.interp(angle, rotation, piece.samples[:, j]) for j in range(SIZE)])
     efforts = world.bearing(q)
