@@ -68,7 +68,7 @@ def test_what_is_imported_is_declared():
         module: files[:3]
         for module, files in imported().items()
         if module not in NO_WHEEL
-        and not {_normal(p) for p in providers.get(module, ())} & (direct | of_ros)
+        and not {_normal(p) for p in providers.get(module, [module])} & (direct | of_ros)
     }
     if os.environ.get('ROS_DISTRO'):
         undeclared = {m: f for m, f in undeclared.items() if not m.endswith('_msgs')}
