@@ -16,23 +16,17 @@ from pathlib import Path
 import numpy as np
 
 from wholearm_ros.model.backends import installed_backends
-from wholearm_ros.model.perturbation import Perturbation, draw_perturbation
+from wholearm_ros.model.perturbation import Perturbation
 from wholearm_ros.model.scenario_file import parse_scenario
 from wholearm_ros.planner.planner import plan_and_verify
 from wholearm_ros.planner.request import PlanRequest
 from wholearm_ros.simulation.closed_loop import run
 from wholearm_ros.simulation.jury import Verdict, disagreements, hear, testify
-from wholearm_ros.suite.execution import perturbation_rng
+from wholearm_ros.suite.execution import drawn_perturbation
 from wholearm_ros.suite.suite_file import load_suite
 from wholearm_ros.suite.suite_options import SuiteOptions
 
 REPEATED = 5  # runs of each engine with other encoder noise
-
-
-def drawn(scenario, level: float, draw: int, seed: int) -> Perturbation:
-    """As suites draw it."""
-    rng = perturbation_rng(SuiteOptions(PlanRequest(seed=seed)), scenario.name, draw)
-    return draw_perturbation(rng, level, scenario)
 
 
 def judge(scenario, trajectory, perturbation: Perturbation, spent: dict) -> Verdict:
@@ -98,7 +92,8 @@ def main():
             continue
         for level in options.levels:
             for draw in range(options.draws if level else 1):
-                perturbation = drawn(scenario, level, draw, options.seed)
+                asked = SuiteOptions(PlanRequest(seed=options.seed), level)
+                perturbation = drawn_perturbation(scenario, asked, draw)
                 verdict = judge(scenario, found.trajectory, perturbation, spent)
                 verdicts[level].append(verdict)
                 told.append({'task': task.name, 'level': level, 'draw': draw, **verdict.to_dict()})
